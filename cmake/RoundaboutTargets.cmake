@@ -1,0 +1,69 @@
+# Compile options shared by everything, and the four functions that declare targets.
+
+add_library(roundabout_options INTERFACE)
+target_include_directories(roundabout_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_options(roundabout_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-align
+  -Woverloaded-virtual -Wnull-dereference -Wformat=2
+  # Results must not depend on whether the compiler fuses a multiply and an add.
+  -ffp-contract=off)
+if(ROUNDABOUT_WERROR)
+  target_compile_options(roundabout_options INTERFACE -Werror)
+endif()
+if(ROUNDABOUT_SANITIZE)
+  # GCC's flow analysis reports false null dereferences inside instrumented code.
+  target_compile_options(roundabout_options INTERFACE
+    -fsanitize=${ROUNDABOUT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    -Wno-null-dereference -Wno-maybe-uninitialized)
+  target_link_options(roundabout_options INTERFACE -fsanitize=${ROUNDABOUT_SANITIZE})
+elseif(ROUNDABOUT_NATIVE)
+  target_compile_options(roundabout_options INTERFACE -march=native)
+endif()
+
+# roundabout_library(NAME SOURCES… LINK …): a static library with the house's options.
+function(roundabout_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC roundabout_options ${ARG_LINK})
+endfunction()
+
+# roundabout_executable(NAME SOURCES … LINK …): a program in <build>/bin.
+function(roundabout_executable name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE roundabout_options ${ARG_LINK})
+endfunction()
+
+# roundabout_test(NAME SOURCES … LINK … [LABEL unit|contract|system|bench] [TIMEOUT s]): one GoogleTest
+# program; each of its tests is a test of CTest's own. System tests run one at a time, since they time things.
+function(roundabout_test name)
+  cmake_parse_arguments(ARG "LONG" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 60)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  target_link_libraries(${name} PRIVATE roundabout_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE
+    ROUNDABOUT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" ROUNDABOUT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  set(labels ${ARG_LABEL})
+  if(ARG_LONG)
+    list(APPEND labels long)
+  endif()
+  set(serial OFF)
+  if(ARG_LABEL STREQUAL system)
+    set(serial ON)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${serial})
+endfunction()
+include(GoogleTest)
+
+# roundabout_benchmark(NAME SOURCES … LINK …): one Google Benchmark program.
+function(roundabout_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  roundabout_executable(${name} SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} benchmark::benchmark)
+endfunction()

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "roundabout_msgs/fleet_status_t.hpp"
+#include "roundabout_msgs/mission_t.hpp"
+#include "roundabout_msgs/planner_status_t.hpp"
+#include "roundabout_msgs/vehicle_states_t.hpp"
+
+namespace roundabout::bus {
+
+/// LCM writes integers big-endian.
+inline std::uint64_t bigEndian(std::span<const std::byte> bytes, std::size_t offset,
+                               std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    value = (value << 8) | std::to_integer<std::uint64_t>(bytes[offset + i]);
+  }
+  return value;
+}
+
+/// The first eight bytes of every LCM message. Precondition: there are eight.
+inline std::uint64_t fingerprintOf(std::span<const std::byte> payload) {
+  return bigEndian(payload, 0, 8);
+}
+
+/// Where a type's element counts stand, counted from the start of the payload, and how many bytes
+/// an element has at least (lcmtypes/README.md: counts come first). Types without variable arrays
+/// have none.
+struct CountField {
+  std::size_t offset;
+  std::size_t min_element_bytes;
+};
+
+template <class Message>
+inline constexpr std::span<const CountField> kCountFields{};
+
+namespace count_fields {
+inline constexpr CountField kVehicleStates[] = {{24, 118}};
+inline constexpr CountField kPlannerStatus[] = {{16, 4}};
+inline constexpr CountField kMission[] = {{16, 24}};
+inline constexpr CountField kFleetStatus[] = {{16, 48}, {20, 5}};
+}  // namespace count_fields
+
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::vehicle_states_t>{
+    count_fields::kVehicleStates};
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::planner_status_t>{
+    count_fields::kPlannerStatus};
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::mission_t>{
+    count_fields::kMission};
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::fleet_status_t>{
+    count_fields::kFleetStatus};
+
+/// True if every count could fit into the payload.
+template <class Message>
+bool plausibleCounts(std::span<const std::byte> payload) {
+  for (const CountField& field : kCountFields<Message>) {
+    if (payload.size() < field.offset + 4) {
+      return false;
+    }
+    const std::uint64_t count = bigEndian(payload, field.offset, 4);
+    if (count * field.min_element_bytes > payload.size()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace roundabout::bus

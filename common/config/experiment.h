@@ -1,0 +1,187 @@
+#pragma once
+
+// All configuration of an experiment as plain structs. The YAML keys are the member names; how a
+// file becomes these structs is in experiment_file.h. Units are in the names; frames are DESIGN's:
+// world z up, metres.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace roundabout::config {
+
+/// The volume vehicles may use, world frame.
+struct Room {
+  Eigen::Vector3d min_m{-10.0, -10.0, 0.0};
+  Eigen::Vector3d max_m{10.0, 10.0, 4.0};
+};
+
+struct Start {
+  Eigen::Vector2d position_m{0.0, 0.0};
+  double heading_rad = 0.0;
+};
+
+struct Vehicle {
+  std::string name;                    ///< letters, digits and underscore
+  std::string model = "multirotor";    ///< entry of the simulator's table of dynamics
+  double assumed_radius_m = 0.5;       ///< what policies see
+  double body_radius_m = 0.35;         ///< what collides
+  double preferred_speed_mps = 0.5;    ///< what the policy flies at when alone
+  double top_speed_mps = 2.0;          ///< no honest measurement moves faster than this
+  double height_m = 1.0;               ///< of flight, above the floor
+  double max_acceleration_mps2 = 3.0;  ///< it can brake with this
+  std::optional<Start> start;          ///< nothing: placed at random (sim.start_area)
+};
+
+struct UnicycleModel {
+  double max_turn_rate_radps = 1e9;  ///< the published rules have no limit
+};
+
+/// A multirotor with its on-board velocity and position controllers; see sim/dynamics/multirotor.
+struct MultirotorModel {
+  double attitude_time_constant_s = 0.15;  ///< first-order lag of the attitude loop
+  double max_tilt_rad = 0.35;
+  double max_acceleration_mps2 = 3.0;  ///< horizontal and vertical
+  double max_jerk_mps3 = 30.0;
+  double velocity_gain_per_s = 3.0;     ///< velocity error to acceleration
+  double position_gain_per_s = 1.2;     ///< position error to velocity
+  double max_position_speed_mps = 1.0;  ///< horizontal speed limit of the position controller
+  double max_climb_mps = 0.7;
+  double max_descend_mps = 0.5;
+  double max_yaw_rate_radps = 2.0;
+  double yaw_gain_per_s = 3.0;
+  double drag_per_s = 0.1;        ///< linear, acts on velocity
+  double command_delay_s = 0.02;  ///< radio and autopilot input, command to first effect
+};
+
+struct Dropout {
+  double probability_per_s = 0.0;  ///< rate at which a vehicle becomes hidden
+  double duration_s = 0.1;         ///< mean, exponentially distributed
+};
+
+/// What the cameras add to the truth.
+struct MocapModel {
+  double rate_hz = 200.0;
+  double position_noise_m = 0.0002;  ///< standard deviation per axis
+  double orientation_noise_rad = 0.002;
+  double latency_s = 0.005;         ///< exposure to message
+  double velocity_filter_s = 0.02;  ///< time constant of the velocity estimate from noisy positions
+  Dropout dropout;
+};
+
+struct Area {
+  Eigen::Vector2d min_m{-4.0, -4.0};
+  Eigen::Vector2d max_m{4.0, 4.0};
+};
+
+/// A push that the simulator gives a vehicle, for fault experiments.
+struct Push {
+  std::string vehicle;
+  double at_s = 0.0;  ///< after the first frame
+  double duration_s = 0.5;
+  Eigen::Vector2d acceleration_mps2{0.0, 0.0};  ///< added to the vehicle's, world frame
+};
+
+struct Sim {
+  std::string pacing = "lockstep";  ///< lockstep or real_time
+  double step_s = 0.005;            ///< of the physics; divides the frame interval
+  double max_duration_s = 600.0;    ///< data time after which the simulator ends
+  double lockstep_patience_s =
+      2.0;  ///< wall clock; who has not answered by then is not waited for any more
+  double lockstep_start_s =
+      30.0;  ///< wall clock; how long to wait for everybody before the first frame
+  double start_spacing_m = 1.5;  ///< smallest distance between random starting places
+  Area start_area;               ///< where random starting places lie
+  UnicycleModel unicycle;
+  MultirotorModel multirotor;
+  MocapModel mocap;
+  double command_hold_s =
+      0.3;  ///< without a valid command for this long the vehicle holds by itself
+  double command_land_s = 1.0;  ///< and for this long it lands by itself
+  std::vector<Push> pushes;
+};
+
+struct Orca {
+  double time_horizon_s = 5.0;
+  double radius_factor = 1.05;  ///< applied to every radius
+  double max_heading_change_rad =
+      3.2;  ///< above this it turns in place; pi/6 under the published rules
+  double time_step_s = 0.1;
+  int max_neighbours = 19;
+};
+
+struct Planner {
+  std::string policy = "orca";  ///< NAME or NAME:WEIGHTS
+  double rate_hz = 10.0;
+  double slow_down_distance_m =
+      2.0;  ///< speed and heading change shrink linearly within this distance to the goal
+  double hold_distance_m = 0.3;  ///< position control on the goal within this distance
+  double command_valid_s = 0.3;
+  double heading_gain_per_s = 2.0;  ///< heading-rate feed-forward
+  bool watch_wall_clock = true;     ///< off for replay at any speed: only data time counts
+  Orca orca;
+};
+
+/// DESIGN section 6.
+struct Safety {
+  double states_hold_s = 0.15;  ///< no new vehicle states
+  double states_land_s = 0.5;
+  double own_track_hold_s = 0.15;  ///< own vehicle not tracked
+  double own_track_land_s = 0.5;
+  double other_track_lost_s =
+      1.0;  ///< another vehicle not tracked: those within other_track_hold_radius_m hold
+  double other_track_hold_radius_m = 2.0;
+  double jump_margin_m = 0.15;      ///< measured jump beyond top speed x dt + this is rejected
+  int max_rejects_in_a_row = 10;    ///< then the track is lost
+  double room_land_margin_m = 0.5;  ///< farther than this outside the room: land
+  double goal_margin_m =
+      0.1;  ///< goals closer than the sum of the assumed radii + this are refused
+};
+
+struct Fleet {
+  double rate_hz = 5.0;
+  std::string assignment = "random";  ///< random or optimal
+  double goal_repeat_s = 1.0;
+  double at_goal_distance_m = 0.2;  ///< 3-D distance that counts as arrived
+  double at_goal_speed_mps = 0.2;
+  double hold_s = 2.0;           ///< stay in a formation, unless the step says otherwise
+  double step_timeout_s = 60.0;  ///< data time; a formation not formed by then fails the mission
+  double letter_height_m = 6.0;  ///< of spelled text, before scaling up for spacing
+  Eigen::Vector2d letter_centre_m{0.0, 3.0};  ///< centre of a letter's box
+};
+
+struct NamedPoints {
+  std::string name;
+  std::vector<Eigen::Vector3d> points_m;
+};
+
+/// One step of a mission. Exactly one of the verbs of lcmtypes/mission_t.lcm.
+struct MissionStep {
+  std::string verb;
+  std::string text;                       ///< spell: what; formation: its name
+  std::string vehicle;                    ///< go_to
+  std::vector<Eigen::Vector3d> points_m;  ///< formation, go_to; world
+  double seconds = -1.0;  ///< wait; or how long to stay in a formation; negative: default
+};
+
+struct Experiment {
+  std::string name;
+  std::uint64_t seed = 1;
+  std::string source = "sim";  ///< who publishes VEHICLE_STATES
+  std::string lcm_url;         ///< empty: LCM_DEFAULT_URL, else LCM's own default
+  Room room;
+  std::vector<Vehicle> vehicles;
+  Planner planner;
+  Safety safety;
+  Fleet fleet;
+  Sim sim;
+  std::vector<NamedPoints>
+      glyphs;  ///< points that replace the built-in letter for a spelled character
+  std::vector<MissionStep> mission;
+  std::string file;  ///< where it was read from; not a key
+};
+
+}  // namespace roundabout::config

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/config/experiment.h"
+#include "planner/policy.h"
+
+namespace roundabout::planner {
+
+/// What a policy may be made from.
+struct PolicyOptions {
+  std::string weights;  ///< path; empty: the policy's own default, if it has one
+  config::Orca orca;
+};
+
+struct PolicyEntry {
+  std::string_view name;
+  bool needs_weights;
+  std::unique_ptr<Policy> (*make)(const PolicyOptions& options);
+};
+
+/// Every policy there is; a new one is a sub-folder and a line in table.cpp.
+std::span<const PolicyEntry> policyTable();
+
+/// Makes the policy of a specification NAME or NAME:WEIGHTS.
+/// Throws core::StartupError if the name is unknown, weights are missing or superfluous, or do not
+/// load.
+std::unique_ptr<Policy> makePolicy(const std::string& specification, const PolicyOptions& options);
+
+}  // namespace roundabout::planner

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "common/core/agent.h"
+
+namespace roundabout::planner {
+
+/// What a policy chose.
+struct Decision {
+  double speed_mps = 0.0;           ///< >= 0, at most the ego's preferred speed
+  double heading_change_rad = 0.0;  ///< added to the ego's heading; counter-clockwise
+  int action = -1;                  ///< index into the policy's action table; -1: it has none
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< of the critic; NaN: it has none
+  std::span<const float> action_probabilities;  ///< valid until the next query; empty: it has none
+  int neighbours_used = 0;
+};
+
+/// Maps one agent's situation to a speed and a change of heading. One object serves one agent: it
+/// may keep memory.
+class Policy {
+ public:
+  Policy() = default;
+  Policy(const Policy&) = delete;
+  Policy& operator=(const Policy&) = delete;
+  virtual ~Policy() = default;
+
+  /// All inputs are finite; others may be empty, in any order. Deterministic; allocates nothing
+  /// after the first call with as many others.
+  virtual Decision decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) = 0;
+
+  /// Forgets what was remembered of earlier calls: a new flight begins.
+  virtual void reset() {}
+
+  /// Name in the table of policies.
+  virtual std::string_view name() const = 0;
+};
+
+}  // namespace roundabout::planner
