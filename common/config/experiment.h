@@ -36,6 +36,11 @@ struct Vehicle {
   std::optional<Start> start;          ///< nothing: placed at random (sim.start_area)
 };
 
+/// False for models that stay on the floor: they need no take-off, and landing is stopping.
+inline bool flies(const Vehicle& vehicle) {
+  return vehicle.model != "unicycle" && vehicle.model != "ground_robot";
+}
+
 struct UnicycleModel {
   double max_turn_rate_radps = 1e9;  ///< the published rules have no limit
 };
