@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "common/bus/bus.h"
+#include "common/config/experiment.h"
+#include "planner/planner_core.h"
+
+namespace roundabout::planner {
+
+/// The planner's wires: VEHICLE_STATES, GOAL_<vehicle> and SAFETY_ORDER in, COMMAND_<vehicle> and
+/// PLANNER_STATUS_<vehicle> out. The bus's handle() drives it; onWallClock() tells it how time
+/// passes when no message comes.
+class PlannerNode {
+ public:
+  using WallTime = std::chrono::steady_clock::time_point;
+
+  /// Throws core::StartupError if the experiment has no such vehicle.
+  PlannerNode(const config::Experiment& experiment, const std::string& vehicle,
+              std::unique_ptr<Policy> policy, bus::Bus& bus);
+  PlannerNode(const PlannerNode&) = delete;
+  PlannerNode& operator=(const PlannerNode&) = delete;
+
+  /// Call at least every 20 ms. Announces itself before the first state; a live planner commands
+  /// hold, then land, when states stop coming (safety.states_hold_s, safety.states_land_s).
+  void onWallClock(WallTime now);
+
+ private:
+  void subscribe();
+  void onStates(const roundabout_msgs::vehicle_states_t& message);
+  void publish(const PlannerCore::Tick& tick, double compute_time_s);
+  void publishStatus(const Status& status, double compute_time_s);
+  void reject(std::string_view channel, const char* reason);
+  void logModeChange(const Status& status);
+
+  PlannerCore core_;
+  config::Planner settings_;
+  config::Safety safety_;
+  bool live_;
+  bus::Bus& bus_;
+  core::StatesFrame frame_;
+  WallTime last_frame_;
+  WallTime last_sent_;
+  bool landing_announced_ = false;
+  bool rejection_logged_ = false;
+  Mode logged_mode_ = Mode::kWaiting;
+  std::string logged_reason_;
+};
+
+}  // namespace roundabout::planner

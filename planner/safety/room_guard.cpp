@@ -1,0 +1,60 @@
+#include "planner/safety/room_guard.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roundabout::planner {
+
+namespace {
+
+// What is left for wind, lag of the attitude and wrong parameters.
+constexpr double kBrakingShare = 0.5;
+
+}  // namespace
+
+RoomGuard::RoomGuard(const config::Room& room, const config::Vehicle& vehicle, double land_margin_m,
+                     double reaction_s)
+    : min_m_(room.min_m),
+      max_m_(room.max_m),
+      centre_min_m_(room.min_m),
+      centre_max_m_(room.max_m),
+      land_margin_m_(land_margin_m),
+      braking_mps2_(kBrakingShare * vehicle.max_acceleration_mps2),
+      reaction_s_(reaction_s) {
+  centre_min_m_.head<2>().array() += vehicle.body_radius_m;
+  centre_max_m_.head<2>().array() -= vehicle.body_radius_m;
+}
+
+Eigen::Vector2d RoomGuard::clipVelocity(const Eigen::Vector3d& position_world_m,
+                                        const Eigen::Vector3d& velocity_world_mps,
+                                        const Eigen::Vector2d& wanted_world_mps) const {
+  Eigen::Vector2d clipped = wanted_world_mps;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double drift_m = velocity_world_mps[axis] * reaction_s_;
+    const auto limit = [&](double gap_m) {
+      return std::sqrt(2.0 * braking_mps2_ * std::max(0.0, gap_m));
+    };
+    const double up = limit(centre_max_m_[axis] - position_world_m[axis] - std::max(0.0, drift_m));
+    const double down =
+        limit(position_world_m[axis] - centre_min_m_[axis] + std::min(0.0, drift_m));
+    clipped[axis] = std::clamp(clipped[axis], -down, up);
+  }
+  return clipped;
+}
+
+Eigen::Vector3d RoomGuard::clipPosition(const Eigen::Vector3d& position_world_m) const {
+  return position_world_m.cwiseMax(centre_min_m_).cwiseMin(centre_max_m_);
+}
+
+bool RoomGuard::inside(const Eigen::Vector2d& position_world_m) const {
+  return (position_world_m.array() >= centre_min_m_.head<2>().array()).all() &&
+         (position_world_m.array() <= centre_max_m_.head<2>().array()).all();
+}
+
+bool RoomGuard::mustLand(const Eigen::Vector3d& position_world_m) const {
+  const Eigen::Vector2d below = min_m_.head<2>() - position_world_m.head<2>();
+  const Eigen::Vector3d above = position_world_m - max_m_;
+  return std::max(below.maxCoeff(), above.maxCoeff()) > land_margin_m_;
+}
+
+}  // namespace roundabout::planner
