@@ -3,18 +3,22 @@
 namespace roundabout::app {
 
 /// SIGINT and SIGTERM as a descriptor to poll, instead of a handler. Make it before any thread:
-/// threads inherit that the signals are blocked.
+/// threads inherit that the signals are blocked, and so do child processes, which have to unblock
+/// them. One thread at a time may use an object.
 class StopSignal {
  public:
+  /// Throws core::StartupError if the system has no descriptor left.
   StopSignal();
+  /// Signals end the process again; those that came unseen are dropped.
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
   /// True from the first signal on.
   bool requested();
-  /// How many signals have come so far.
+  /// How many signals have come so far. Equal ones that came between two calls count once.
   int count();
+  /// Readable when a signal has come that neither requested() nor count() has seen.
   int fileDescriptor() const { return descriptor_; }
 
  private:

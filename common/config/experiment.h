@@ -149,7 +149,7 @@ struct Safety {
 
 struct Fleet {
   double rate_hz = 5.0;
-  std::string assignment = "random";  ///< random or optimal
+  std::string assignment = "random";  ///< random, optimal, or in_order (point i to vehicle i)
   double goal_repeat_s = 1.0;
   double at_goal_distance_m = 0.2;  ///< 3-D distance that counts as arrived
   double at_goal_speed_mps = 0.2;

@@ -1,0 +1,57 @@
+#include "common/app/stop_signal.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "common/core/error.h"
+
+namespace roundabout::app {
+
+namespace {
+
+sigset_t stopSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+}  // namespace
+
+StopSignal::StopSignal() {
+  const sigset_t signals = stopSignals();
+  descriptor_ = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
+  if (descriptor_ < 0) {
+    throw core::StartupError("process", "SIGINT and SIGTERM", "a descriptor", std::strerror(errno));
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+StopSignal::~StopSignal() {
+  // A signal still waiting would end the process when it is let through.
+  drain();
+  close(descriptor_);
+  const sigset_t signals = stopSignals();
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+}
+
+bool StopSignal::requested() { return count() > 0; }
+
+int StopSignal::count() {
+  drain();
+  return count_;
+}
+
+void StopSignal::drain() {
+  signalfd_siginfo info{};
+  while (read(descriptor_, &info, sizeof(info)) == static_cast<ssize_t>(sizeof(info))) {
+    ++count_;
+  }
+}
+
+}  // namespace roundabout::app

@@ -1,0 +1,229 @@
+#include "common/config/checks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace roundabout::config {
+
+namespace {
+
+const Vehicle* findVehicle(const Experiment& experiment, const std::string& name) {
+  const auto found = std::find_if(experiment.vehicles.begin(), experiment.vehicles.end(),
+                                  [&](const Vehicle& vehicle) { return vehicle.name == name; });
+  return found == experiment.vehicles.end() ? nullptr : &*found;
+}
+
+void expectVehicle(const Experiment& experiment, const std::string& path, const std::string& name,
+                   const Refuse& refuse) {
+  if (findVehicle(experiment, name) == nullptr) {
+    std::vector<std::string> names;
+    for (const Vehicle& vehicle : experiment.vehicles) {
+      names.push_back(vehicle.name);
+    }
+    refuse(path, fmt::format("a vehicle ({})", fmt::join(names, ", ")), '"' + name + '"');
+  }
+}
+
+// `later_path` must not be below `earlier_path`.
+void expectOrder(const std::string& later_path, double later, const std::string& earlier_path,
+                 double earlier, const Refuse& refuse) {
+  if (later < earlier) {
+    refuse(later_path, fmt::format("at least {} ({})", earlier_path, earlier),
+           fmt::format("{}", later));
+  }
+}
+
+template <class Corners>
+void expectCorners(const std::string& path, const Corners& box, const Refuse& refuse) {
+  if (!(box.min_m.array() < box.max_m.array()).all()) {
+    refuse(path + ".max_m", "every coordinate above min_m's",
+           fmt::format("[{}]",
+                       fmt::join(box.max_m.data(), box.max_m.data() + box.max_m.size(), ", ")));
+  }
+}
+
+bool insideRoom(const Room& room, const Eigen::Vector2d& point_m) {
+  return (point_m.array() >= room.min_m.head<2>().array()).all() &&
+         (point_m.array() <= room.max_m.head<2>().array()).all();
+}
+
+std::string spanOf(const Room& room) {
+  return fmt::format("a place in the room (x {} to {}, y {} to {})", room.min_m.x(), room.max_m.x(),
+                     room.min_m.y(), room.max_m.y());
+}
+
+std::string textOf(const Eigen::Vector2d& point_m) {
+  return fmt::format("[{}, {}]", point_m.x(), point_m.y());
+}
+
+void checkRoom(const Experiment& experiment, const Refuse& refuse) {
+  expectCorners("room", experiment.room, refuse);
+  const Area& area = experiment.sim.start_area;
+  expectCorners("sim.start_area", area, refuse);
+  for (const auto& [key, corner_m] :
+       {std::pair{"sim.start_area.min_m", area.min_m}, {"sim.start_area.max_m", area.max_m}}) {
+    if (!insideRoom(experiment.room, corner_m)) {
+      refuse(key, spanOf(experiment.room), textOf(corner_m));
+    }
+  }
+}
+
+void checkVehicle(const Experiment& experiment, std::size_t i, const Refuse& refuse) {
+  const Room& room = experiment.room;
+  const Vehicle& vehicle = experiment.vehicles[i];
+  const std::string path = fmt::format("vehicles[{}]", i);
+  if (vehicle.name.empty()) {
+    refuse(path + ".name", "letters, digits and underscore", "nothing");
+  }
+  expectOrder(path + ".top_speed_mps", vehicle.top_speed_mps, "preferred_speed_mps",
+              vehicle.preferred_speed_mps, refuse);
+  if (vehicle.height_m <= room.min_m.z() || vehicle.height_m >= room.max_m.z()) {
+    refuse(path + ".height_m",
+           fmt::format("a height in the room ({} to {})", room.min_m.z(), room.max_m.z()),
+           fmt::format("{}", vehicle.height_m));
+  }
+  if (vehicle.start && !insideRoom(room, vehicle.start->position_m)) {
+    refuse(path + ".start.position_m", spanOf(room), textOf(vehicle.start->position_m));
+  }
+  for (std::size_t j = 0; j < i; ++j) {
+    const Vehicle& other = experiment.vehicles[j];
+    if (other.name == vehicle.name) {
+      refuse(path + ".name", "a name of its own",
+             fmt::format("\"{}\", which is vehicles[{}]'s", vehicle.name, j));
+    }
+    if (!vehicle.start || !other.start) {
+      continue;
+    }
+    const double distance_m = (vehicle.start->position_m - other.start->position_m).norm();
+    const double bodies_m = vehicle.body_radius_m + other.body_radius_m;
+    if (distance_m <= bodies_m) {
+      refuse(path + ".start.position_m",
+             fmt::format("more than {} m (both bodies) from vehicles[{}] \"{}\"", bodies_m, j,
+                         other.name),
+             fmt::format("{:.3f} m", distance_m));
+    }
+  }
+}
+
+void checkLimits(const Experiment& experiment, const Refuse& refuse) {
+  const Safety& safety = experiment.safety;
+  const Planner& planner = experiment.planner;
+  const Sim& sim = experiment.sim;
+  expectOrder("safety.states_land_s", safety.states_land_s, "states_hold_s", safety.states_hold_s,
+              refuse);
+  expectOrder("safety.own_track_land_s", safety.own_track_land_s, "own_track_hold_s",
+              safety.own_track_hold_s, refuse);
+  expectOrder("planner.slow_down_distance_m", planner.slow_down_distance_m, "hold_distance_m",
+              planner.hold_distance_m, refuse);
+  expectOrder("sim.command_land_s", sim.command_land_s, "command_hold_s", sim.command_hold_s,
+              refuse);
+  expectOrder("sim.mocap.rate_hz", sim.mocap.rate_hz, "planner.rate_hz", planner.rate_hz, refuse);
+  expectOrder("sim.mocap.rate_hz", sim.mocap.rate_hz, "fleet.rate_hz", experiment.fleet.rate_hz,
+              refuse);
+  const double steps = 1.0 / (sim.mocap.rate_hz * sim.step_s);
+  if (std::round(steps) < 1.0 || std::abs(steps - std::round(steps)) > 1e-6 * steps) {
+    refuse("sim.step_s",
+           fmt::format("a whole part of the frame interval (1/{} s)", sim.mocap.rate_hz),
+           fmt::format("{}", sim.step_s));
+  }
+  for (std::size_t i = 0; i < sim.pushes.size(); ++i) {
+    expectVehicle(experiment, fmt::format("sim.pushes[{}].vehicle", i), sim.pushes[i].vehicle,
+                  refuse);
+  }
+}
+
+void expectPoints(const Experiment& experiment, const std::string& path, std::size_t count,
+                  const Refuse& refuse) {
+  if (count < 1 || count > experiment.vehicles.size()) {
+    refuse(path,
+           fmt::format("1 to {} points (there are {} vehicles)", experiment.vehicles.size(),
+                       experiment.vehicles.size()),
+           fmt::format("{}", count));
+  }
+}
+
+void checkMission(const Experiment& experiment, const Refuse& refuse) {
+  for (std::size_t i = 0; i < experiment.glyphs.size(); ++i) {
+    const NamedPoints& glyph = experiment.glyphs[i];
+    const std::string path = fmt::format("glyphs[{}]", i);
+    if (glyph.name.size() != 1) {
+      refuse(path + ".name", "one character", '"' + glyph.name + '"');
+    }
+    expectPoints(experiment, path + ".points_m", glyph.points_m.size(), refuse);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (experiment.glyphs[j].name == glyph.name) {
+        refuse(path + ".name", "a name of its own",
+               fmt::format("\"{}\", which is glyphs[{}]'s", glyph.name, j));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < experiment.mission.size(); ++i) {
+    const MissionStep& step = experiment.mission[i];
+    const std::string path = fmt::format("mission[{}].{}", i, step.verb);
+    if (step.verb == "spell" && step.text.empty()) {
+      refuse(path, "text to spell", "nothing");
+    }
+    if (step.verb == "formation") {
+      expectPoints(experiment, path + ".points", step.points_m.size(), refuse);
+    }
+    if (step.verb == "go_to") {
+      expectVehicle(experiment, path + ".vehicle", step.vehicle, refuse);
+    }
+    if (step.verb == "wait" && step.seconds < 0.0) {
+      refuse(path, "a number of at least 0", "nothing");
+    }
+  }
+}
+
+}  // namespace
+
+void fillHeights(Experiment& experiment, const Refuse& refuse) {
+  const auto fill = [&](const std::string& path, const std::vector<const Vehicle*>& flyers,
+                        std::vector<Eigen::Vector3d>& points_m) {
+    for (std::size_t i = 0; i < points_m.size(); ++i) {
+      if (!std::isnan(points_m[i].z()) || flyers.empty()) {
+        continue;
+      }
+      points_m[i].z() = flyers.front()->height_m;
+      for (const Vehicle* vehicle : flyers) {
+        if (vehicle->height_m != points_m[i].z()) {
+          refuse(fmt::format("{}[{}]", path, i), "[x, y, z], since heights of flight differ",
+                 fmt::format("[{}, {}]", points_m[i].x(), points_m[i].y()));
+        }
+      }
+    }
+  };
+  std::vector<const Vehicle*> all;
+  for (const Vehicle& vehicle : experiment.vehicles) {
+    all.push_back(&vehicle);
+  }
+  for (std::size_t i = 0; i < experiment.glyphs.size(); ++i) {
+    fill(fmt::format("glyphs[{}].points_m", i), all, experiment.glyphs[i].points_m);
+  }
+  for (std::size_t i = 0; i < experiment.mission.size(); ++i) {
+    MissionStep& step = experiment.mission[i];
+    const Vehicle* own = findVehicle(experiment, step.vehicle);
+    if (step.verb == "go_to") {
+      fill(fmt::format("mission[{}].go_to.point", i),
+           own == nullptr ? all : std::vector<const Vehicle*>{own}, step.points_m);
+    } else {
+      fill(fmt::format("mission[{}].formation.points", i), all, step.points_m);
+    }
+  }
+}
+
+void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
+  if (experiment.vehicles.empty()) {
+    refuse("vehicles", "at least one vehicle", "none");
+  }
+  checkRoom(experiment, refuse);
+  for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+    checkVehicle(experiment, i, refuse);
+  }
+  checkLimits(experiment, refuse);
+  checkMission(experiment, refuse);
+}
+
+}  // namespace roundabout::config

@@ -1,0 +1,74 @@
+#include "common/config/experiment_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/config/checks.h"
+#include "common/config/document.h"
+#include "common/config/reader.h"
+#include "common/config/writer.h"
+#include "common/core/error.h"
+
+namespace roundabout::config {
+
+namespace {
+
+// "ga3c_cadrl:weights/x.safetensors": what stands in a file is meant from the file's folder, what
+// is typed from the folder one is in.
+std::string withAbsoluteWeights(const std::string& policy, const std::filesystem::path& folder) {
+  const std::size_t colon = policy.find(':');
+  if (colon == std::string::npos) {
+    return policy;
+  }
+  const std::filesystem::path weights = folder / policy.substr(colon + 1);
+  return policy.substr(0, colon + 1) +
+         std::filesystem::absolute(weights).lexically_normal().string();
+}
+
+}  // namespace
+
+Experiment readExperiment(const std::string& path, const std::vector<std::string>& overrides) {
+  std::ifstream file(path);
+  const bool is_folder = std::filesystem::is_directory(path);
+  if (!file || is_folder) {
+    throw core::StartupError(path, "experiment", "a file that can be read",
+                             is_folder ? "a folder" : std::strerror(errno));
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return parseExperiment(text.str(), path, overrides);
+}
+
+Experiment parseExperiment(const std::string& yaml, const std::string& name,
+                           const std::vector<std::string>& overrides) {
+  const Document document(yaml, name, overrides);
+  const auto refuse = [&](const std::string& path, const std::string& expected,
+                          const std::string& found) { document.fail(path, expected, found); };
+
+  Experiment experiment;
+  experiment.file = name;
+  experiment.name = std::filesystem::path(name).stem().string();
+  Reader reader(document, document.root(), "");
+  describe(reader, experiment);
+  reader.finish();
+
+  fillHeights(experiment, refuse);
+  checkConsistency(experiment, refuse);
+  experiment.planner.policy = withAbsoluteWeights(experiment.planner.policy,
+                                                  document.overridden("planner.policy")
+                                                      ? std::filesystem::path()
+                                                      : std::filesystem::path(name).parent_path());
+  return experiment;
+}
+
+std::string toYaml(const Experiment& experiment) {
+  Experiment copy = experiment;  // describe() takes structs that a reader could fill
+  Writer writer;
+  writer.write(copy);
+  return writer.text();
+}
+
+}  // namespace roundabout::config

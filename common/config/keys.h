@@ -1,0 +1,201 @@
+#pragma once
+
+// Every key of an experiment file, once: its name, where its value goes and what the value must
+// fulfil. The reader, the writer and the tests of the documentation are visitors that these
+// functions are called with; a visitor is called as visitor(key, member, constraint).
+
+#include "common/config/constraint.h"
+#include "common/config/experiment.h"
+
+namespace roundabout::config {
+
+template <class Visitor>
+void describe(Visitor& visit, Room& room) {
+  visit("min_m", room.min_m);
+  visit("max_m", room.max_m);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Start& start) {
+  visit("position_m", start.position_m);
+  visit("heading_rad", start.heading_rad);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Vehicle& vehicle) {
+  visit("name", vehicle.name, identifier());
+  visit("model", vehicle.model, identifier());
+  visit("assumed_radius_m", vehicle.assumed_radius_m, above(0.0));
+  visit("body_radius_m", vehicle.body_radius_m, above(0.0));
+  visit("preferred_speed_mps", vehicle.preferred_speed_mps, above(0.0));
+  visit("top_speed_mps", vehicle.top_speed_mps, above(0.0));
+  visit("height_m", vehicle.height_m, above(0.0));
+  visit("max_acceleration_mps2", vehicle.max_acceleration_mps2, above(0.0));
+  visit("start", vehicle.start);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Orca& orca) {
+  visit("time_horizon_s", orca.time_horizon_s, above(0.0));
+  visit("radius_factor", orca.radius_factor, above(0.0));
+  visit("max_heading_change_rad", orca.max_heading_change_rad, above(0.0));
+  visit("time_step_s", orca.time_step_s, above(0.0));
+  visit("max_neighbours", orca.max_neighbours, atLeast(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Planner& planner) {
+  visit("policy", planner.policy);
+  visit("rate_hz", planner.rate_hz, above(0.0));
+  visit("slow_down_distance_m", planner.slow_down_distance_m, above(0.0));
+  visit("hold_distance_m", planner.hold_distance_m, above(0.0));
+  visit("command_valid_s", planner.command_valid_s, above(0.0));
+  visit("heading_gain_per_s", planner.heading_gain_per_s, atLeast(0.0));
+  visit("watch_wall_clock", planner.watch_wall_clock);
+  visit("orca", planner.orca);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Safety& safety) {
+  visit("states_hold_s", safety.states_hold_s, above(0.0));
+  visit("states_land_s", safety.states_land_s, above(0.0));
+  visit("own_track_hold_s", safety.own_track_hold_s, above(0.0));
+  visit("own_track_land_s", safety.own_track_land_s, above(0.0));
+  visit("other_track_lost_s", safety.other_track_lost_s, above(0.0));
+  visit("other_track_hold_radius_m", safety.other_track_hold_radius_m, atLeast(0.0));
+  visit("jump_margin_m", safety.jump_margin_m, atLeast(0.0));
+  visit("max_rejects_in_a_row", safety.max_rejects_in_a_row, atLeast(1.0));
+  visit("room_land_margin_m", safety.room_land_margin_m, atLeast(0.0));
+  visit("goal_margin_m", safety.goal_margin_m, atLeast(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Fleet& fleet) {
+  visit("rate_hz", fleet.rate_hz, above(0.0));
+  visit("assignment", fleet.assignment, oneOf({"random", "optimal", "in_order"}));
+  visit("goal_repeat_s", fleet.goal_repeat_s, above(0.0));
+  visit("at_goal_distance_m", fleet.at_goal_distance_m, above(0.0));
+  visit("at_goal_speed_mps", fleet.at_goal_speed_mps, above(0.0));
+  visit("hold_s", fleet.hold_s, atLeast(0.0));
+  visit("step_timeout_s", fleet.step_timeout_s, above(0.0));
+  visit("letter_height_m", fleet.letter_height_m, above(0.0));
+  visit("letter_centre_m", fleet.letter_centre_m);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, UnicycleModel& unicycle) {
+  visit("max_turn_rate_radps", unicycle.max_turn_rate_radps, above(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, MultirotorModel& multirotor) {
+  visit("attitude_time_constant_s", multirotor.attitude_time_constant_s, above(0.0));
+  visit("max_tilt_rad", multirotor.max_tilt_rad, between(0.01, 1.5));
+  visit("max_acceleration_mps2", multirotor.max_acceleration_mps2, above(0.0));
+  visit("max_jerk_mps3", multirotor.max_jerk_mps3, above(0.0));
+  visit("velocity_gain_per_s", multirotor.velocity_gain_per_s, above(0.0));
+  visit("position_gain_per_s", multirotor.position_gain_per_s, above(0.0));
+  visit("max_position_speed_mps", multirotor.max_position_speed_mps, above(0.0));
+  visit("max_climb_mps", multirotor.max_climb_mps, above(0.0));
+  visit("max_descend_mps", multirotor.max_descend_mps, above(0.0));
+  visit("max_yaw_rate_radps", multirotor.max_yaw_rate_radps, above(0.0));
+  visit("yaw_gain_per_s", multirotor.yaw_gain_per_s, above(0.0));
+  visit("drag_per_s", multirotor.drag_per_s, atLeast(0.0));
+  visit("command_delay_s", multirotor.command_delay_s, atLeast(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Dropout& dropout) {
+  visit("probability_per_s", dropout.probability_per_s, atLeast(0.0));
+  visit("duration_s", dropout.duration_s, above(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, MocapModel& mocap) {
+  visit("rate_hz", mocap.rate_hz, between(1.0, 1000.0));
+  visit("position_noise_m", mocap.position_noise_m, atLeast(0.0));
+  visit("orientation_noise_rad", mocap.orientation_noise_rad, atLeast(0.0));
+  visit("latency_s", mocap.latency_s, atLeast(0.0));
+  visit("velocity_filter_s", mocap.velocity_filter_s, atLeast(0.0));
+  visit("dropout", mocap.dropout);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Area& area) {
+  visit("min_m", area.min_m);
+  visit("max_m", area.max_m);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Push& push) {
+  visit("vehicle", push.vehicle, identifier());
+  visit("at_s", push.at_s, atLeast(0.0));
+  visit("duration_s", push.duration_s, above(0.0));
+  visit("acceleration_mps2", push.acceleration_mps2);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Sim& sim) {
+  visit("pacing", sim.pacing, oneOf({"lockstep", "real_time"}));
+  visit("step_s", sim.step_s, above(0.0));
+  visit("max_duration_s", sim.max_duration_s, above(0.0));
+  visit("lockstep_patience_s", sim.lockstep_patience_s, above(0.0));
+  visit("lockstep_start_s", sim.lockstep_start_s, above(0.0));
+  visit("start_spacing_m", sim.start_spacing_m, above(0.0));
+  visit("start_area", sim.start_area);
+  visit("unicycle", sim.unicycle);
+  visit("multirotor", sim.multirotor);
+  visit("mocap", sim.mocap);
+  visit("command_hold_s", sim.command_hold_s, above(0.0));
+  visit("command_land_s", sim.command_land_s, above(0.0));
+  visit("pushes", sim.pushes);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, NamedPoints& named) {
+  visit("name", named.name);
+  visit("points_m", named.points_m, heightOptional());
+}
+
+inline const std::vector<std::string> kMissionVerbs = {"take_off", "spell", "formation", "go_to",
+                                                       "hold",     "wait",  "land"};
+
+/// The keys below a step's verb; none for take_off, hold and land.
+template <class Visitor>
+void describeArguments(Visitor& visit, MissionStep& step) {
+  if (step.verb == "spell") {
+    visit("text", step.text);
+    visit("seconds", step.seconds, durationOrAbsent());
+  } else if (step.verb == "formation") {
+    visit("name", step.text);
+    visit("points", step.points_m, heightOptional());
+    visit("seconds", step.seconds, durationOrAbsent());
+  } else if (step.verb == "go_to") {
+    step.points_m.resize(1, Eigen::Vector3d::Zero());
+    visit("vehicle", step.vehicle, identifier());
+    visit("point", step.points_m.front(), heightOptional());
+  } else if (step.verb == "wait") {
+    visit("seconds", step.seconds, durationOrAbsent());
+  }
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Experiment& experiment) {
+  // Filled first, then what each element of `vehicles` starts from.
+  Vehicle vehicle_defaults;
+  visit("name", experiment.name);
+  visit("seed", experiment.seed);
+  visit("source", experiment.source, identifier());
+  visit("lcm_url", experiment.lcm_url);
+  visit("room", experiment.room);
+  visit("vehicle_defaults", vehicle_defaults, inputOnly());
+  visit("vehicles", experiment.vehicles, vehicle_defaults);
+  visit("planner", experiment.planner);
+  visit("safety", experiment.safety);
+  visit("fleet", experiment.fleet);
+  visit("sim", experiment.sim);
+  visit("glyphs", experiment.glyphs);
+  visit("mission", experiment.mission);
+}
+
+}  // namespace roundabout::config
