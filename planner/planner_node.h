@@ -7,6 +7,7 @@
 #include "common/bus/bus.h"
 #include "common/config/experiment.h"
 #include "planner/planner_core.h"
+#include "roundabout_msgs/vehicle_states_t.hpp"
 
 namespace roundabout::planner {
 

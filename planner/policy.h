@@ -15,7 +15,8 @@ struct Decision {
   double heading_change_rad = 0.0;  ///< added to the ego's heading; counter-clockwise
   int action = -1;                  ///< index into the policy's action table; -1: it has none
   double value = std::numeric_limits<double>::quiet_NaN();  ///< of the critic; NaN: it has none
-  std::span<const float> action_probabilities;  ///< valid until the next query; empty: it has none
+  std::span<const float>
+      action_probabilities{};  ///< valid until the next query; empty: it has none
   int neighbours_used = 0;
 };
 

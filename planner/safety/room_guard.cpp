@@ -28,17 +28,27 @@ RoomGuard::RoomGuard(const config::Room& room, const config::Vehicle& vehicle, d
 Eigen::Vector2d RoomGuard::clipVelocity(const Eigen::Vector3d& position_world_m,
                                         const Eigen::Vector3d& velocity_world_mps,
                                         const Eigen::Vector2d& wanted_world_mps) const {
+  // The fastest approach that still ends at the edge: v reaction + v^2 / (2 a) = gap.
+  const double lead_mps = braking_mps2_ * reaction_s_;
+  const auto limit = [&](double gap_m) {
+    return std::sqrt(lead_mps * lead_mps + 2.0 * braking_mps2_ * std::max(0.0, gap_m)) - lead_mps;
+  };
+  Eigen::Vector2d slowest;
+  Eigen::Vector2d fastest;
+  for (int axis = 0; axis < 2; ++axis) {
+    slowest[axis] = -limit(position_world_m[axis] - centre_min_m_[axis]);
+    fastest[axis] = limit(centre_max_m_[axis] - position_world_m[axis]);
+  }
   Eigen::Vector2d clipped = wanted_world_mps;
   for (int axis = 0; axis < 2; ++axis) {
-    const double drift_m = velocity_world_mps[axis] * reaction_s_;
-    const auto limit = [&](double gap_m) {
-      return std::sqrt(2.0 * braking_mps2_ * std::max(0.0, gap_m));
-    };
-    const double up = limit(centre_max_m_[axis] - position_world_m[axis] - std::max(0.0, drift_m));
-    const double down =
-        limit(position_world_m[axis] - centre_min_m_[axis] + std::min(0.0, drift_m));
-    clipped[axis] = std::clamp(clipped[axis], -down, up);
+    // The vehicle has one acceleration for both directions: while one has to brake, the other does
+    // not change.
+    const double speed_mps = velocity_world_mps[axis];
+    if (speed_mps < slowest[axis] || speed_mps > fastest[axis]) {
+      clipped[1 - axis] = velocity_world_mps[1 - axis];
+    }
   }
+  clipped = clipped.cwiseMax(slowest).cwiseMin(fastest);
   return clipped;
 }
 
