@@ -1,0 +1,30 @@
+#include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
+
+#include <utility>
+
+#include "planner/policies/ga3c_cadrl/weights.h"
+
+namespace roundabout::planner {
+
+Ga3cCadrl::Ga3cCadrl(std::shared_ptr<const Ga3cCadrlWeights> weights)
+    : encoder_(weights->max_others), network_(std::move(weights)) {}
+
+Decision Ga3cCadrl::decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) {
+  const Observation& observation = encoder_.encode(ego, others);
+  const Ga3cCadrlNetwork::Output output = network_.evaluate(observation);
+  const DiscreteAction& action = kActions[static_cast<std::size_t>(output.best_action)];
+  Decision decision;
+  decision.speed_mps = action.speed_fraction * ego.preferred_speed_mps;
+  decision.heading_change_rad = action.heading_change_rad;
+  decision.action = output.best_action;
+  decision.value = output.value;
+  decision.action_probabilities = output.probabilities;
+  decision.neighbours_used = static_cast<int>(observation.others.size());
+  return decision;
+}
+
+std::unique_ptr<Policy> makeGa3cCadrl(const PolicyOptions& options) {
+  return std::make_unique<Ga3cCadrl>(readGa3cCadrlWeights(options.weights));
+}
+
+}  // namespace roundabout::planner

@@ -1,0 +1,38 @@
+#include "planner/policies/ga3c_cadrl/network.h"
+
+#include <utility>
+
+namespace roundabout::planner {
+
+Ga3cCadrlNetwork::Ga3cCadrlNetwork(std::shared_ptr<const Ga3cCadrlWeights> weights)
+    : weights_(std::move(weights)) {}
+
+Ga3cCadrlNetwork::Output Ga3cCadrlNetwork::evaluate(const Observation& observation) {
+  const Weights& net = *weights_;
+
+  nn::LstmState<Weights::kUnits> state;
+  for (const OtherFeatures& features : observation.others) {
+    const Eigen::Map<const nn::Row<Weights::kOtherInputs>> other(features.data());
+    const nn::Row<Weights::kOtherInputs> input =
+        (other - net.other_mean).cwiseQuotient(net.other_deviation);
+    net.lstm.step(input, state);
+  }
+
+  const Eigen::Map<const nn::Row<Weights::kEgoInputs>> ego(observation.ego.data());
+  joint_ << (ego - net.ego_mean).cwiseQuotient(net.ego_deviation), state.hidden;
+  net.layer1.applyRelu(joint_, wide_a_);
+  net.layer2.applyRelu(wide_a_, wide_b_);
+  net.layer3.applyRelu(wide_b_, wide_a_);
+  net.heads.apply(wide_a_, heads_);
+
+  const auto scores = heads_.head<Weights::kActionCount>();
+  Output output;
+  const float best_score = scores.maxCoeff(&output.best_action);
+  probabilities_ = (scores.array() - best_score).exp();
+  probabilities_ /= probabilities_.sum();
+  output.probabilities = {probabilities_.data(), static_cast<std::size_t>(probabilities_.size())};
+  output.value = heads_[Weights::kActionCount];
+  return output;
+}
+
+}  // namespace roundabout::planner

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "planner/nn/lstm.h"
+#include "planner/observation.h"
+#include "planner/policies/ga3c_cadrl/actions.h"
+
+namespace roundabout::planner {
+
+/// What is subtracted from each field of an observation, and what it is then divided by.
+struct Normalisation {
+  std::array<double, kEgoFields.size()> ego_mean;
+  std::array<double, kEgoFields.size()> ego_deviation;
+  std::array<double, kOtherFields.size()> other_mean;
+  std::array<double, kOtherFields.size()> other_deviation;
+};
+
+/// Topology and parameters of a GA3C-CADRL network with an LSTM (paper, section "Network
+/// Architecture"; layer sizes are the published networks'): an LSTM reads the others one by one;
+/// its last hidden state and the ego's fields pass three layers; two heads give the actions' scores
+/// and the value. Never changes once loaded: agents share it.
+struct Ga3cCadrlWeights {
+  static constexpr int kEgoInputs = static_cast<int>(kEgoFields.size());
+  static constexpr int kOtherInputs = static_cast<int>(kOtherFields.size());
+  static constexpr int kActionCount = static_cast<int>(kActions.size());
+  static constexpr int kUnits = 64;
+  static constexpr int kWidth = 256;
+
+  nn::Row<kEgoInputs> ego_mean, ego_deviation;
+  nn::Row<kOtherInputs> other_mean, other_deviation;
+  int max_others = 0;  ///< the most it was made to read
+  nn::Lstm<kOtherInputs, kUnits> lstm;
+  nn::Dense<kEgoInputs + kUnits, kWidth> layer1;
+  nn::Dense<kWidth, kWidth> layer2, layer3;
+  nn::Dense<kWidth, kActionCount + 1> heads;  ///< the actions' scores, then the value
+};
+
+/// Evaluates a network on its own scratch memory. Allocates nothing.
+class Ga3cCadrlNetwork {
+ public:
+  struct Output {
+    std::span<const float> probabilities;  ///< one per action; valid until the next call
+    float value = 0.0F;
+    int best_action = 0;  ///< the most probable one, the first of equals
+  };
+
+  explicit Ga3cCadrlNetwork(std::shared_ptr<const Ga3cCadrlWeights> weights);
+
+  Output evaluate(const Observation& observation);
+
+  const Ga3cCadrlWeights& weights() const { return *weights_; }
+
+ private:
+  using Weights = Ga3cCadrlWeights;
+
+  std::shared_ptr<const Weights> weights_;
+  nn::Row<Weights::kEgoInputs + Weights::kUnits> joint_;
+  nn::Row<Weights::kWidth> wide_a_, wide_b_;
+  nn::Row<Weights::kActionCount + 1> heads_;
+  nn::Row<Weights::kActionCount> probabilities_;
+};
+
+}  // namespace roundabout::planner

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "planner/nn/safetensors.h"
+
+namespace roundabout::planner {
+
+/// The published GA3C-CADRL network of a TensorFlow V2 checkpoint (mit-acl/cadrl_ros,
+/// mit-acl/gym-collision-avoidance), as this project's weight file. `prefix` is the checkpoint's
+/// path without ".index". Throws core::StartupError if the checkpoint is damaged or holds another
+/// network.
+nn::TensorFile importCheckpoint(const std::string& prefix);
+
+}  // namespace roundabout::planner

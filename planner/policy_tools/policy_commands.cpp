@@ -1,0 +1,61 @@
+#include "planner/policy_tools/policy_commands.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "planner/nn/safetensors.h"
+#include "planner/policy_tools/import_checkpoint.h"
+#include "planner/policy_tools/info.h"
+#include "planner/policy_tools/query.h"
+
+namespace roundabout::planner {
+
+namespace {
+
+void addImport(CLI::App& policy) {
+  struct Arguments {
+    std::string prefix;
+    std::string output;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      policy.add_subcommand("import", "Turn a published TensorFlow checkpoint into a weight file");
+  command->add_option("CHECKPOINT_PREFIX", arguments->prefix, "Its path without \".index\"")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "FILE.safetensors")->required();
+  command->callback([arguments] {
+    nn::writeSafetensors(arguments->output, importCheckpoint(arguments->prefix));
+  });
+}
+
+void addInfo(CLI::App& policy) {
+  auto path = std::make_shared<std::string>();
+  CLI::App* command = policy.add_subcommand("info", "Say what a weight file holds");
+  command->add_option("FILE", *path, "FILE.safetensors")->required();
+  command->callback([path] { printWeightsInfo(*path, std::cout); });
+}
+
+void addQuery(CLI::App& policy) {
+  auto path = std::make_shared<std::string>();
+  CLI::App* command = policy.add_subcommand(
+      "query", "Evaluate observations: JSON lines from standard input, back with their result");
+  command->add_option("FILE", *path, "FILE.safetensors")->required();
+  command->callback([path] {
+    if (queryPolicy(*path, std::cin, std::cout, std::cerr) > 0) {
+      throw CLI::RuntimeError(1);
+    }
+  });
+}
+
+}  // namespace
+
+void addPolicyCommands(CLI::App& parent) {
+  CLI::App* policy = parent.add_subcommand("policy", "Weight files of learned policies");
+  policy->require_subcommand(1);
+  addImport(*policy);
+  addInfo(*policy);
+  addQuery(*policy);
+}
+
+}  // namespace roundabout::planner
