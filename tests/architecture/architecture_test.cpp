@@ -1,0 +1,118 @@
+// The rules of DESIGN section 2 and 3 that a compiler does not check: who may include whom.
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = ROUNDABOUT_SOURCE_DIR;
+
+struct Include {
+  std::string file;    // relative to the root
+  std::string target;  // as written between the quotes or brackets
+};
+
+std::vector<fs::path> sourcesUnder(const std::string& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+    const std::string extension = entry.path().extension();
+    if (extension == ".h" || extension == ".cpp") {
+      files.push_back(entry.path());
+    }
+  }
+  return files;
+}
+
+std::vector<Include> includesUnder(const std::string& folder) {
+  static const std::regex kInclude(R"(^\s*#include\s*[<"]([^>"]+)[>"])");
+  std::vector<Include> includes;
+  for (const fs::path& file : sourcesUnder(folder)) {
+    std::ifstream stream(file);
+    std::string line;
+    while (std::getline(stream, line)) {
+      std::smatch match;
+      if (std::regex_search(line, match, kInclude)) {
+        includes.push_back({fs::relative(file, kRoot), match[1]});
+      }
+    }
+  }
+  return includes;
+}
+
+void expectNone(const std::string& folder, const std::string& forbidden,
+                const std::string& except_files = "^$") {
+  const std::regex pattern(forbidden);
+  const std::regex exceptions(except_files);
+  const auto includes = includesUnder(folder);
+  ASSERT_FALSE(includes.empty()) << folder << " has no sources: the rule guards nothing";
+  for (const Include& include : includes) {
+    if (!std::regex_search(include.file, exceptions)) {
+      EXPECT_FALSE(std::regex_search(include.target, pattern))
+          << include.file << " includes " << include.target;
+    }
+  }
+}
+
+const std::string kWire = R"(^lcm/|^roundabout_msgs/|^common/bus/)";
+
+TEST(Architecture, CommonCoreStandsAlone) {
+  expectNone("common/core", R"(^common/(?!core/)|^lcm/|yaml|spdlog|CLI)");
+}
+
+TEST(Architecture, ConfigurationKnowsOnlyCore) {
+  expectNone("common/config", R"(^common/(bus|app)/|^lcm/)");
+}
+
+TEST(Architecture, CommonKnowsNoModule) {
+  expectNone("common", R"(^(mocap_bridge|planner|fleet|perception|sim|learning|logs|cli)/)");
+}
+
+TEST(Architecture, AlgorithmsKnowNoWire) {
+  // Nodes and programs are the thin part that does.
+  const std::string nodes = R"((_node|/run_\w+|/main)\.(h|cpp)$)";
+  expectNone("planner", kWire, nodes);
+  expectNone("fleet", kWire, nodes);
+  expectNone("sim", kWire, nodes + R"(|_pacing\.(h|cpp)$)");
+}
+
+TEST(Architecture, ModulesDoNotKnowEachOther) {
+  expectNone("planner", R"(^(mocap_bridge|fleet|sim|logs|cli)/)");
+  expectNone("fleet", R"(^(mocap_bridge|planner|sim|logs|cli)/)");
+  expectNone("logs", R"(^(mocap_bridge|planner|fleet|sim|cli)/)");
+  expectNone("mocap_bridge", R"(^(planner|fleet|sim|logs|cli)/)");
+  // The one exception of DESIGN section 3: the simulator publishes through the bridge's
+  // StatePublisher.
+  expectNone("sim", R"(^(planner|fleet|logs|cli)/|^mocap_bridge/(?!state_publisher))");
+}
+
+TEST(Architecture, VisionAndLearningLibrariesStayOutside) {
+  for (const char* folder : {"common", "mocap_bridge", "planner", "fleet", "sim", "logs", "cli"}) {
+    expectNone(folder, R"(^opencv|^octomap|^torch/)");
+  }
+}
+
+TEST(Architecture, EveryMainIsShort) {
+  int mains = 0;
+  for (const char* folder : {"planner", "fleet", "sim", "cli"}) {
+    for (const fs::path& file : sourcesUnder(folder)) {
+      if (file.filename() != "main.cpp") {
+        continue;
+      }
+      ++mains;
+      std::ifstream stream(file);
+      const auto lines = std::count(std::istreambuf_iterator<char>(stream),
+                                    std::istreambuf_iterator<char>(), '\n');
+      EXPECT_LT(lines, 40) << file;
+    }
+  }
+  EXPECT_GE(mains, 4);
+}
+
+}  // namespace
