@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
 #include <optional>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/words.h"
 #include "common/core/error.h"
 
 namespace roundabout::config {
@@ -40,18 +42,23 @@ bool beginsWith(const std::vector<std::string>& whole, const std::vector<std::st
   return whole.size() >= begin.size() && std::equal(begin.begin(), begin.end(), whole.begin());
 }
 
-YAML::Node parse(const std::string& yaml, const std::string& file) {
+// `where` says where a line of the text is.
+YAML::Node parse(const std::string& yaml, const std::function<std::string(int line)>& where) {
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(yaml);
     if (documents.size() > 1) {
-      throw core::StartupError(file, "file", "one YAML document",
+      throw core::StartupError(where(documents[1].Mark().line + 1), "file", "one YAML document",
                                fmt::format("{}", documents.size()));
     }
     return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& error) {
-    throw core::StartupError(fmt::format("{}:{}", file, error.mark.line + 1), "file", "YAML",
+    throw core::StartupError(where(error.mark.line + 1), "file", "YAML",
                              "a syntax error (" + error.msg + ")");
   }
+}
+
+std::function<std::string(int)> linesOf(const std::string& file) {
+  return [&file](int line) { return fmt::format("{}:{}", file, line); };
 }
 
 }  // namespace
@@ -61,14 +68,16 @@ std::string found(const YAML::Node& node) {
     return "nothing";
   }
   if (node.IsScalar()) {
-    return fmt::format("\"{}\"", node.Scalar());
+    return quoted(node.Scalar());
   }
   return node.IsSequence() ? fmt::format("a list of {}", node.size()) : "a map";
 }
 
 Document::Document(const std::string& yaml, std::string file,
                    const std::vector<std::string>& overrides)
-    : file_(std::move(file)), original_(parse(yaml, file_)), root_(parse(yaml, file_)) {
+    : file_(std::move(file)),
+      original_(parse(yaml, linesOf(file_))),
+      root_(parse(yaml, linesOf(file_))) {
   if (!root_.IsMap()) {
     throw core::StartupError(file_, "file", "a map of keys", found(root_));
   }
@@ -83,10 +92,11 @@ void Document::apply(const std::string& text) {
   const std::vector<std::string> steps = stepsOf(key);
   const std::string where = "--set " + key;
   if (equals == std::string::npos || steps.empty()) {
-    throw core::StartupError("--set", "argument", "KEY=VALUE", '"' + text + '"');
+    throw core::StartupError("--set", "argument", "KEY=VALUE", quoted(text));
   }
   const std::string value_text = text.substr(equals + 1);
-  YAML::Node value = value_text.empty() ? YAML::Node("") : parse(value_text, where);
+  YAML::Node value =
+      value_text.empty() ? YAML::Node("") : parse(value_text, [&](int) { return where; });
 
   YAML::Node node = root_;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -96,14 +106,14 @@ void Document::apply(const std::string& text) {
       if (!index || *index >= node.size()) {
         throw core::StartupError(where, "index",
                                  fmt::format("a number below {} (it is a list)", node.size()),
-                                 '"' + steps[i] + '"');
+                                 quoted(steps[i]));
       }
       child.reset(node[*index]);
     } else if (node.IsMap() || node.IsNull()) {
       child.reset(node[steps[i]]);
     } else {
       throw core::StartupError(where, "key", "a path through maps and lists",
-                               fmt::format("\"{}\" below the value {}", steps[i], found(node)));
+                               fmt::format("{} below the value {}", quoted(steps[i]), found(node)));
     }
     if (i + 1 == steps.size()) {
       child = value;
@@ -160,15 +170,19 @@ void Document::fail(const std::string& path, const std::string& expected,
   // The last override wins, so it is the one to blame.
   for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
     if (beginsWith(steps, it->steps) || (!in_file && beginsWith(it->steps, steps))) {
-      throw core::StartupError("--set " + it->key, path, expected, found_there);
+      throw core::StartupError("--set " + it->key, oneLine(path), expected, found_there);
     }
   }
-  throw core::StartupError(fmt::format("{}:{}", file_, line), path, expected, found_there);
+  throw core::StartupError(fmt::format("{}:{}", file_, line), oneLine(path), expected, found_there);
 }
 
 void Document::failAt(const YAML::Mark& mark, const std::string& path, const std::string& expected,
                       const std::string& found_there) const {
-  throw core::StartupError(fmt::format("{}:{}", file_, mark.line + 1), path, expected, found_there);
+  if (mark.is_null() || overridden(path)) {
+    fail(path, expected, found_there);
+  }
+  throw core::StartupError(fmt::format("{}:{}", file_, mark.line + 1), oneLine(path), expected,
+                           found_there);
 }
 
 }  // namespace roundabout::config

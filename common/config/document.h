@@ -24,7 +24,7 @@ class Document {
   /// where it stands, or where what it belongs to begins.
   [[noreturn]] void fail(const std::string& path, const std::string& expected,
                          const std::string& found) const;
-  /// As fail, at a place that the path alone does not tell.
+  /// As fail, at a place in the file that the path alone does not tell.
   [[noreturn]] void failAt(const YAML::Mark& mark, const std::string& path,
                            const std::string& expected, const std::string& found) const;
 

@@ -7,7 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/config/suggestion.h"
+#include "common/config/words.h"
 
 namespace roundabout::config {
 
@@ -75,9 +75,10 @@ void Reader::finish() const {
       continue;
     }
     const std::string meant = nearest(key, known_);
-    document_.fail(pathTo(key), "one of " + quotedList(known_),
-                   fmt::format("\"{}\"{}", key,
-                               meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant)));
+    document_.failAt(
+        entry.first.Mark(), pathTo(key), "one of " + quotedList(known_),
+        fmt::format("{}{}", quoted(key),
+                    meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant)));
   }
 }
 
@@ -158,7 +159,7 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
   }
   step.verb = bare ? node.Scalar() : node.begin()->first.Scalar();
   if (std::find(kMissionVerbs.begin(), kMissionVerbs.end(), step.verb) == kMissionVerbs.end()) {
-    document_.fail(path, "one of " + quotedList(kMissionVerbs), '"' + step.verb + '"');
+    document_.fail(path, "one of " + quotedList(kMissionVerbs), quoted(step.verb));
   }
   if (bare) {
     return;

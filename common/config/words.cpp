@@ -1,4 +1,4 @@
-#include "common/config/suggestion.h"
+#include "common/config/words.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -27,6 +27,16 @@ std::size_t editDistance(const std::string& typed, const std::string& known, boo
 }
 
 }  // namespace
+
+std::string oneLine(const std::string& text) {
+  constexpr std::size_t kLongest = 80;
+  std::string line = text.substr(0, kLongest);
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text.size() > kLongest ? line + "..." : line;
+}
+
+std::string quoted(const std::string& text) { return '"' + oneLine(text) + '"'; }
 
 std::string nearest(const std::string& typed, const std::vector<std::string>& known) {
   const auto best = [&](bool within, std::size_t limit) -> std::string {
