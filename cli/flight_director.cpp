@@ -1,0 +1,78 @@
+#include "cli/flight_director.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace roundabout::cli {
+
+FlightDirector::FlightDirector(std::vector<std::string> vehicles, DirectorLimits limits)
+    : limits_(limits) {
+  for (std::string& vehicle : vehicles) {
+    vehicles_.emplace(std::move(vehicle), VehicleView());
+  }
+}
+
+void FlightDirector::onEnd(Role role, const std::string& vehicle, bool clean, double now_s) {
+  switch (role) {
+    case Role::kSim:
+      sim_finished_ = clean;
+      if (!clean) {
+        sim_death_s_ = now_s;
+        reason_ = "the simulator died";
+      }
+      break;
+    case Role::kFleet:
+      fleet_death_s_ = now_s;
+      break;
+    case Role::kPlanner:
+      vehicles_.at(vehicle).planner_alive = false;
+      break;
+    case Role::kLogger:
+      land("the logger died");
+      break;
+  }
+}
+
+void FlightDirector::onFleetHeard() { fleet_death_s_.reset(); }
+
+void FlightDirector::onPlannerHeard(const std::string& vehicle, bool on_floor) {
+  vehicles_.at(vehicle) = {true, on_floor};
+}
+
+void FlightDirector::onStop() { land("stopped by the user"); }
+
+Direction FlightDirector::decide(double now_s) {
+  if (sim_finished_ || (landing_ && !flying_)) {
+    return Direction::kEnd;
+  }
+  if (sim_death_s_) {
+    return now_s - *sim_death_s_ < limits_.sim_linger_s ? Direction::kGoOn : Direction::kEnd;
+  }
+  if (fleet_death_s_ && now_s - *fleet_death_s_ >= limits_.fleet_return_s) {
+    land("no new fleet took over");
+  }
+  if (!landing_) {
+    return Direction::kGoOn;
+  }
+  if (!landing_since_s_) {
+    landing_since_s_ = now_s;
+    return Direction::kLand;
+  }
+  const bool over = allOnFloor() || now_s - *landing_since_s_ >= limits_.landing_s;
+  return over ? Direction::kEnd : Direction::kLand;
+}
+
+bool FlightDirector::allOnFloor() const {
+  return std::all_of(vehicles_.begin(), vehicles_.end(), [](const auto& entry) {
+    return entry.second.on_floor || !entry.second.planner_alive;
+  });
+}
+
+void FlightDirector::land(const std::string& reason) {
+  if (!landing_) {
+    landing_ = true;
+    reason_ = reason;
+  }
+}
+
+}  // namespace roundabout::cli

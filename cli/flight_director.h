@@ -1,0 +1,74 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace roundabout::cli {
+
+/// What a process of a flight is for.
+enum class Role { kLogger, kPlanner, kFleet, kSim };
+
+/// Wall-clock limits, seconds.
+struct DirectorLimits {
+  double landing_s = 30.0;       ///< for all to be on the floor, from the order to land
+  double fleet_return_s = 10.0;  ///< for a new fleet to take over, from the death of the old one
+  double sim_linger_s = 2.0;     ///< from the death of the simulator to the end, so that the log
+                                 ///< shows how the planners took it
+};
+
+/// What the supervisor shall do now.
+enum class Direction {
+  kGoOn,
+  kLand,  ///< order all to land, and go on listening
+  kEnd
+};
+
+/// Decides how a flight ends; knows neither processes nor messages. Times are wall-clock seconds
+/// on any clock that does not jump.
+///
+/// | what happens              | what follows                                                    |
+/// |---------------------------|-----------------------------------------------------------------|
+/// | the simulator ends, 0     | end                                                             |
+/// | the simulator dies        | nothing flies any more: linger, then end                        |
+/// | a planner dies            | go on: its vehicle holds and lands by itself, the others go on  |
+/// | fleet dies                | vehicles hold at their goals; land unless a new fleet takes over|
+/// | the logger dies           | land: a flight without a log is no experiment                   |
+/// | the user stops            | land                                                            |
+/// | all landed, or time is up | end                                                             |
+class FlightDirector {
+ public:
+  FlightDirector(std::vector<std::string> vehicles, DirectorLimits limits);
+
+  void onFirstState() { flying_ = true; }
+  void onEnd(Role role, const std::string& vehicle, bool clean, double now_s);
+  void onFleetHeard();
+  void onPlannerHeard(const std::string& vehicle, bool on_floor);
+  void onStop();
+
+  Direction decide(double now_s);
+  /// Why it is landing or ended early; empty while all is well.
+  const std::string& reason() const { return reason_; }
+
+ private:
+  struct VehicleView {
+    bool planner_alive = true;
+    bool on_floor = false;
+  };
+
+  bool allOnFloor() const;
+  void land(const std::string& reason);
+
+  std::map<std::string, VehicleView> vehicles_;
+  DirectorLimits limits_;
+  bool flying_ = false;
+  bool sim_finished_ = false;
+  bool landing_ = false;
+  std::optional<double> sim_death_s_;
+  std::optional<double> fleet_death_s_;
+  std::optional<double> landing_since_s_;
+  std::string reason_;
+};
+
+}  // namespace roundabout::cli

@@ -1,0 +1,32 @@
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "cli/fly_command.h"
+#include "cli/operator_commands.h"
+
+int main(int argc, char** argv) {
+  constexpr int kCannotStart = 2;
+  int exit_status = 0;
+  CLI::App app("Multi-vehicle experiments in a motion-capture lab", "roundabout");
+  app.require_subcommand(1);
+  roundabout::cli::addFlyCommand(app, exit_status);
+  roundabout::cli::addOrderCommand(app);
+  roundabout::cli::addMissionCommand(app, exit_status);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "roundabout: {} (try --help)\n", error.what());
+    return kCannotStart;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "roundabout: {}\n", error.what());
+    return kCannotStart;
+  }
+  return exit_status;
+}

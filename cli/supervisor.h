@@ -1,0 +1,90 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cli/console.h"
+#include "cli/flight_director.h"
+#include "cli/flight_monitor.h"
+#include "cli/process.h"
+#include "cli/recorder.h"
+#include "common/app/stop_signal.h"
+#include "common/bus/bus.h"
+#include "common/config/experiment.h"
+
+namespace roundabout::cli {
+
+/// What a flight needs beside a bus.
+struct FlightPlan {
+  config::Experiment experiment;
+  std::string lcm_url;
+  std::filesystem::path folder;    ///< has experiment.yaml in it
+  std::filesystem::path programs;  ///< where sim, planner and fleet are
+
+  std::filesystem::path logFile() const { return folder / "flight.lcm"; }
+};
+
+/// A process ended before the flight began. what() is its own last line.
+class ChildFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct FlightResult {
+  bool states_seen = false;
+  bool mission_done = false;
+  bool interrupted = false;  ///< by the user
+  double closest_separation_m = 0.0;
+  double set_up_s = 0.0;            ///< wall clock, until the first state
+  double wall_s = 0.0;              ///< wall clock, from the first state to the end
+  double data_s = 0.0;              ///< data time flown
+  std::vector<std::string> events;  ///< what went wrong, one line each, in order of time
+};
+
+/// Starts the processes of one flight, watches them, and leaves none behind.
+class Supervisor {
+ public:
+  /// Starts everything: the recorder first, the simulator last. Throws core::StartupError if
+  /// somebody publishes VEHICLE_STATES on the bus already or a process cannot be started.
+  Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Console& console);
+
+  /// Until the flight is over and every process has ended. Throws ChildFailure if one ends before
+  /// the first state.
+  FlightResult run();
+
+ private:
+  struct Child {
+    Role role;
+    std::string vehicle;  ///< of a planner; else empty
+    ChildProcess* process;
+    bool end_reported = false;
+  };
+
+  bool flying() const { return first_state_s_.has_value(); }
+  void requireNobodyFlies();
+  void start(Role role, const std::string& program, const std::string& vehicle);
+  void reap();
+  void reportEnd(const Child& child, const ExitStatus& status);
+  void orderLanding();
+  void stopProcesses();
+
+  FlightPlan plan_;
+  bus::Bus& bus_;
+  app::StopSignal& stop_;
+  Console& console_;
+  FlightDirector director_;
+  std::unique_ptr<FlightMonitor> monitor_;
+  std::unique_ptr<Recorder> recorder_;
+  std::vector<std::unique_ptr<ChildProcess>> processes_;  ///< all but the recorder's
+  std::vector<Child> children_;                           ///< in the order of their start
+  double created_s_;
+  std::optional<double> first_state_s_;
+  std::optional<double> landing_ordered_s_;
+  std::vector<std::string> events_;
+};
+
+}  // namespace roundabout::cli
