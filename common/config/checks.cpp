@@ -139,9 +139,7 @@ void checkLimits(const Experiment& experiment, const Refuse& refuse) {
 void expectPoints(const Experiment& experiment, const std::string& path, std::size_t count,
                   const Refuse& refuse) {
   if (count < 1 || count > experiment.vehicles.size()) {
-    refuse(path,
-           fmt::format("1 to {} points (there are {} vehicles)", experiment.vehicles.size(),
-                       experiment.vehicles.size()),
+    refuse(path, fmt::format("1 to {} points (one a vehicle at most)", experiment.vehicles.size()),
            fmt::format("{}", count));
   }
 }
@@ -172,6 +170,9 @@ void checkMission(const Experiment& experiment, const Refuse& refuse) {
     }
     if (step.verb == "go_to") {
       expectVehicle(experiment, path + ".vehicle", step.vehicle, refuse);
+      if (step.points_m.empty() || std::isnan(step.points_m.front().x())) {
+        refuse(path + ".point", "[x, y] or [x, y, z]", "nothing");
+      }
     }
     if (step.verb == "wait" && step.seconds < 0.0) {
       refuse(path, "a number of at least 0", "nothing");

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -42,23 +43,59 @@ bool beginsWith(const std::vector<std::string>& whole, const std::vector<std::st
   return whole.size() >= begin.size() && std::equal(begin.begin(), begin.end(), whole.begin());
 }
 
-// `where` says where a line of the text is.
-YAML::Node parse(const std::string& yaml, const std::function<std::string(int line)>& where) {
+// `where` says where a line of the text is, `what` what the text is.
+YAML::Node parse(const std::string& yaml, const char* what,
+                 const std::function<std::string(int line)>& where) {
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(yaml);
     if (documents.size() > 1) {
-      throw core::StartupError(where(documents[1].Mark().line + 1), "file", "one YAML document",
+      throw core::StartupError(where(documents[1].Mark().line + 1), what, "one YAML document",
                                fmt::format("{}", documents.size()));
     }
     return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& error) {
-    throw core::StartupError(where(error.mark.line + 1), "file", "YAML",
+    throw core::StartupError(where(error.mark.line + 1), what, "YAML",
                              "a syntax error (" + error.msg + ")");
   }
 }
 
-std::function<std::string(int)> linesOf(const std::string& file) {
-  return [&file](int line) { return fmt::format("{}:{}", file, line); };
+// A copy of `node` in which what the steps lead to is `value`. It shares what lies off that path:
+// an alias elsewhere keeps its old value.
+YAML::Node with(const YAML::Node& node, std::span<const std::string> steps, const YAML::Node& value,
+                const std::string& where) {
+  if (steps.empty()) {
+    return value;
+  }
+  const std::string& step = steps.front();
+  if (node.IsScalar()) {
+    throw core::StartupError(where, "key", "a path through maps and lists",
+                             fmt::format("{} below the value {}", quoted(step), found(node)));
+  }
+  if (node.IsSequence()) {
+    const std::optional<std::size_t> index = indexOf(step);
+    if (!index || *index >= node.size()) {
+      throw core::StartupError(where, "index",
+                               fmt::format("a number below {} (it is a list)", node.size()),
+                               quoted(step));
+    }
+    YAML::Node copy(YAML::NodeType::Sequence);
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      copy.push_back(i == *index ? with(node[i], steps.subspan(1), value, where) : node[i]);
+    }
+    return copy;
+  }
+  YAML::Node copy(YAML::NodeType::Map);
+  bool replaced = false;
+  for (const auto& entry : node) {
+    const bool here = !replaced && entry.first.IsScalar() && entry.first.Scalar() == step;
+    copy.force_insert(entry.first, here ? with(entry.second, steps.subspan(1), value, where)
+                                        : YAML::Node(entry.second));
+    replaced = replaced || here;
+  }
+  if (!replaced) {
+    copy.force_insert(step, with(YAML::Node(), steps.subspan(1), value, where));
+  }
+  return copy;
 }
 
 }  // namespace
@@ -76,10 +113,11 @@ std::string found(const YAML::Node& node) {
 Document::Document(const std::string& yaml, std::string file,
                    const std::vector<std::string>& overrides)
     : file_(std::move(file)),
-      original_(parse(yaml, linesOf(file_))),
-      root_(parse(yaml, linesOf(file_))) {
+      original_(
+          parse(yaml, "file", [this](int line) { return fmt::format("{}:{}", file_, line); })),
+      root_(original_) {
   if (!root_.IsMap()) {
-    throw core::StartupError(file_, "file", "a map of keys", found(root_));
+    throw core::StartupError(file_ + ":1", "file", "a map of keys", found(root_));
   }
   for (const std::string& text : overrides) {
     apply(text);
@@ -95,33 +133,10 @@ void Document::apply(const std::string& text) {
     throw core::StartupError("--set", "argument", "KEY=VALUE", quoted(text));
   }
   const std::string value_text = text.substr(equals + 1);
-  YAML::Node value =
-      value_text.empty() ? YAML::Node("") : parse(value_text, [&](int) { return where; });
-
-  YAML::Node node = root_;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    YAML::Node child;
-    if (node.IsSequence()) {
-      const std::optional<std::size_t> index = indexOf(steps[i]);
-      if (!index || *index >= node.size()) {
-        throw core::StartupError(where, "index",
-                                 fmt::format("a number below {} (it is a list)", node.size()),
-                                 quoted(steps[i]));
-      }
-      child.reset(node[*index]);
-    } else if (node.IsMap() || node.IsNull()) {
-      child.reset(node[steps[i]]);
-    } else {
-      throw core::StartupError(where, "key", "a path through maps and lists",
-                               fmt::format("{} below the value {}", quoted(steps[i]), found(node)));
-    }
-    if (i + 1 == steps.size()) {
-      child = value;
-    } else if (!child.IsDefined() || child.IsNull()) {
-      child = YAML::Node(YAML::NodeType::Map);
-    }
-    node.reset(child);
-  }
+  const YAML::Node value = value_text.empty()
+                               ? YAML::Node("")
+                               : parse(value_text, "value", [&where](int) { return where; });
+  root_.reset(with(root_, steps, value, where));
   overrides_.push_back({key, steps});
 }
 

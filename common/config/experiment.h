@@ -116,6 +116,8 @@ struct Orca {
       3.2;  ///< above this it turns in place; pi/6 under the published rules
   double time_step_s = 0.1;
   int max_neighbours = 19;
+  double right_bias_rad =
+      0.3;  ///< who is in somebody's way prefers to go this far to the right; published: 0
 };
 
 struct Planner {

@@ -4,6 +4,12 @@
 // fulfil. The reader, the writer and the tests of the documentation are visitors that these
 // functions are called with; a visitor is called as visitor(key, member, constraint).
 
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
 #include "common/config/constraint.h"
 #include "common/config/experiment.h"
 
@@ -41,6 +47,7 @@ void describe(Visitor& visit, Orca& orca) {
   visit("max_heading_change_rad", orca.max_heading_change_rad, above(0.0));
   visit("time_step_s", orca.time_step_s, above(0.0));
   visit("max_neighbours", orca.max_neighbours, atLeast(0.0));
+  visit("right_bias_rad", orca.right_bias_rad, atLeast(0.0));
 }
 
 template <class Visitor>
@@ -66,6 +73,7 @@ void describe(Visitor& visit, Safety& safety) {
   visit("jump_margin_m", safety.jump_margin_m, atLeast(0.0));
   visit("max_rejects_in_a_row", safety.max_rejects_in_a_row, atLeast(1.0));
   visit("room_land_margin_m", safety.room_land_margin_m, atLeast(0.0));
+  visit("airborne_height_m", safety.airborne_height_m, above(0.0));
   visit("goal_margin_m", safety.goal_margin_m, atLeast(0.0));
 }
 
@@ -160,6 +168,10 @@ void describe(Visitor& visit, NamedPoints& named) {
 inline const std::vector<std::string> kMissionVerbs = {"take_off", "spell", "formation", "go_to",
                                                        "hold",     "wait",  "land"};
 
+/// A go_to's point until it is read.
+inline const Eigen::Vector3d kNoPoint =
+    Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+
 /// The keys below a step's verb; none for take_off, hold and land.
 template <class Visitor>
 void describeArguments(Visitor& visit, MissionStep& step) {
@@ -171,7 +183,7 @@ void describeArguments(Visitor& visit, MissionStep& step) {
     visit("points", step.points_m, heightOptional());
     visit("seconds", step.seconds, durationOrAbsent());
   } else if (step.verb == "go_to") {
-    step.points_m.resize(1, Eigen::Vector3d::Zero());
+    step.points_m.resize(1, kNoPoint);
     visit("vehicle", step.vehicle, identifier());
     visit("point", step.points_m.front(), heightOptional());
   } else if (step.verb == "wait") {

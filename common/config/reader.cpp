@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -32,13 +33,14 @@ std::optional<Number> numberIn(const YAML::Node& node) {
 }
 
 std::string foundNumber(const YAML::Node& node) {
-  const bool quoted = node.IsScalar() && node.Tag() == "!";
-  const bool plain = !quoted && numberIn<double>(node).has_value();
-  return plain ? node.Scalar() : (quoted ? "the text " : "") + found(node);
+  const bool quoted_text = node.IsScalar() && node.Tag() == "!";
+  const std::optional<double> number = quoted_text ? std::nullopt : numberIn<double>(node);
+  const bool plain = number && std::isfinite(*number);
+  return plain ? oneLine(node.Scalar()) : (quoted_text ? "the text " : "") + found(node);
 }
 
-std::string quotedList(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
+std::string anyOf(const std::vector<std::string>& words) {
+  return fmt::format("one of {}", fmt::join(words, ", "));
 }
 
 }  // namespace
@@ -76,7 +78,7 @@ void Reader::finish() const {
     }
     const std::string meant = nearest(key, known_);
     document_.failAt(
-        entry.first.Mark(), pathTo(key), "one of " + quotedList(known_),
+        entry.first.Mark(), pathTo(key), anyOf(known_),
         fmt::format("{}{}", quoted(key),
                     meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant)));
   }
@@ -159,7 +161,7 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
   }
   step.verb = bare ? node.Scalar() : node.begin()->first.Scalar();
   if (std::find(kMissionVerbs.begin(), kMissionVerbs.end(), step.verb) == kMissionVerbs.end()) {
-    document_.fail(path, "one of " + quotedList(kMissionVerbs), quoted(step.verb));
+    document_.fail(path, anyOf(kMissionVerbs), quoted(step.verb));
   }
   if (bare) {
     return;
@@ -173,6 +175,9 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
   } else {
     Reader reader(document_, arguments, below);
     describeArguments(reader, step);
+    if (reader.known_.empty()) {
+      document_.fail(path, "no more than the verb " + step.verb, found(arguments));
+    }
     reader.finish();
   }
 }

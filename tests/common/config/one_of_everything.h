@@ -1,0 +1,79 @@
+#pragma once
+
+// An experiment in which no value is the default and every list has an element.
+
+#include "common/config/experiment.h"
+
+namespace roundabout::config {
+
+inline Experiment oneOfEverything() {
+  Experiment e;
+  e.name = "everything";
+  e.seed = 18446744073709551615ULL;
+  e.source = "vicon";
+  e.lcm_url = "udpm://239.255.76.68:7668?ttl=0";
+  e.room = {{-6.5, -5.25, -0.1}, {6.5, 5.75, 3.3}};
+
+  Vehicle first;
+  first.name = "hex_1";
+  first.model = "unicycle";
+  first.assumed_radius_m = 0.4;
+  first.body_radius_m = 0.1 + 0.2;  // has no short decimal form
+  first.preferred_speed_mps = 1.1;
+  first.top_speed_mps = 3.5;
+  first.height_m = 1.25;
+  first.max_acceleration_mps2 = 2.5;
+  first.start = Start{{-1.5, 2.5}, -0.75};
+  Vehicle second = first;
+  second.name = "2";
+  second.height_m = 1.75;
+  second.start.reset();
+  e.vehicles = {first, second};
+
+  e.planner.policy = "ga3c_cadrl:/weights/net.safetensors";
+  e.planner.rate_hz = 20.0;
+  e.planner.slow_down_distance_m = 2.5;
+  e.planner.hold_distance_m = 0.25;
+  e.planner.command_valid_s = 0.4;
+  e.planner.heading_gain_per_s = 1.5;
+  e.planner.watch_wall_clock = false;
+  e.planner.orca = {4.0, 1.2, 0.5, 0.05, 7, 0.1};
+
+  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.25, 0.2};
+
+  e.fleet.rate_hz = 4.0;
+  e.fleet.assignment = "in_order";
+  e.fleet.goal_repeat_s = 2.0;
+  e.fleet.at_goal_distance_m = 0.15;
+  e.fleet.at_goal_speed_mps = 0.1;
+  e.fleet.hold_s = 3.0;
+  e.fleet.step_timeout_s = 45.0;
+  e.fleet.letter_height_m = 5.0;
+  e.fleet.letter_centre_m = {0.5, -0.5};
+
+  e.sim.pacing = "real_time";
+  e.sim.step_s = 0.0025;
+  e.sim.max_duration_s = 120.0;
+  e.sim.lockstep_patience_s = 3.0;
+  e.sim.lockstep_start_s = 10.0;
+  e.sim.start_spacing_m = 1.25;
+  e.sim.start_area = {{-3.0, -2.0}, {3.0, 2.0}};
+  e.sim.unicycle.max_turn_rate_radps = 2.5;
+  e.sim.multirotor = {0.2, 0.3, 2.0, 20.0, 2.5, 1.0, 0.8, 0.6, 0.4, 1.5, 2.0, 0.2, 0.04};
+  e.sim.mocap = {100.0, 0.001, 0.004, 0.01, 0.03, {0.5, 0.2}};
+  e.sim.command_hold_s = 0.35;
+  e.sim.command_land_s = 1.5;
+  e.sim.pushes = {{"hex_1", 3.0, 0.75, {1.0, -2.0}}};
+
+  e.glyphs = {{"#", {{0.0, 1.0, 1.5}, {1.0, 2.0, 1.25}}}};
+  e.mission = {{"take_off", "", "", {}, -1.0},
+               {"spell", "A B: \"C\"", "", {}, 2.5},
+               {"formation", "pair", "", {{1.0, 2.0, 1.5}, {-1.0, 2.0, 1.0}}, -1.0},
+               {"go_to", "", "hex_1", {{1.0, 2.0, 1.5}}, -1.0},
+               {"hold", "", "", {}, -1.0},
+               {"wait", "", "", {}, 0.0},
+               {"land", "", "", {}, -1.0}};
+  return e;
+}
+
+}  // namespace roundabout::config
