@@ -117,7 +117,7 @@ struct Orca {
   double time_step_s = 0.1;
   int max_neighbours = 19;
   double right_bias_rad =
-      0.3;  ///< who is in somebody's way prefers to go this far to the right; published: 0
+      0.4;  ///< who cannot go straight prefers this far to the right; published: 0
 };
 
 struct Planner {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,6 +14,7 @@ namespace roundabout::planner {
 struct PolicyOptions {
   std::string weights;  ///< path; empty: the policy's own default, if it has one
   config::Orca orca;
+  std::string where = "experiment";  ///< who asks, for errors: the experiment file
 };
 
 struct PolicyEntry {
@@ -27,8 +27,8 @@ struct PolicyEntry {
 std::span<const PolicyEntry> policyTable();
 
 /// Makes the policy of a specification NAME or NAME:WEIGHTS.
-/// Throws core::StartupError if the name is unknown, weights are missing or superfluous, or do not
-/// load.
+/// Throws core::StartupError if the name is unknown (with the nearest known one), weights are
+/// missing or superfluous, or do not load.
 std::unique_ptr<Policy> makePolicy(const std::string& specification, const PolicyOptions& options);
 
 }  // namespace roundabout::planner

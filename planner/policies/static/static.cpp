@@ -1,0 +1,18 @@
+#include "planner/policies/static/static.h"
+
+namespace roundabout::planner {
+
+namespace {
+
+class Static final : public Policy {
+ public:
+  Decision decide(const core::EgoAgent&, std::span<const core::OtherAgent>) override { return {}; }
+
+  std::string_view name() const override { return "static"; }
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> makeStatic(const PolicyOptions&) { return std::make_unique<Static>(); }
+
+}  // namespace roundabout::planner

@@ -1,0 +1,66 @@
+#include "planner/policies/table.h"
+
+#include <array>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include "common/config/words.h"
+#include "common/core/error.h"
+#include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
+#include "planner/policies/non_cooperative/non_cooperative.h"
+#include "planner/policies/orca/orca.h"
+#include "planner/policies/static/static.h"
+
+namespace roundabout::planner {
+
+namespace {
+
+constexpr std::array kPolicies = {
+    PolicyEntry{"ga3c_cadrl", true, makeGa3cCadrl},
+    PolicyEntry{"orca", false, makeOrca},
+    PolicyEntry{"non_cooperative", false, makeNonCooperative},
+    PolicyEntry{"static", false, makeStatic},
+};
+
+const PolicyEntry& entryOf(const std::string& name, const PolicyOptions& options) {
+  std::vector<std::string> known;
+  for (const PolicyEntry& entry : kPolicies) {
+    if (entry.name == name) {
+      return entry;
+    }
+    known.emplace_back(entry.name);
+  }
+  const std::string meant = config::nearest(name, known);
+  throw core::StartupError(
+      options.where, "planner.policy", fmt::format("one of {}", fmt::join(known, ", ")),
+      config::quoted(name) +
+          (meant.empty() ? "" : fmt::format(" (did you mean {}?)", config::quoted(meant))));
+}
+
+}  // namespace
+
+std::span<const PolicyEntry> policyTable() { return kPolicies; }
+
+std::unique_ptr<Policy> makePolicy(const std::string& specification, const PolicyOptions& options) {
+  const std::size_t colon = specification.find(':');
+  const PolicyEntry& entry = entryOf(specification.substr(0, colon), options);
+  PolicyOptions its_options = options;
+  if (colon != std::string::npos) {
+    its_options.weights = specification.substr(colon + 1);
+  }
+  if (entry.needs_weights && its_options.weights.empty()) {
+    throw core::StartupError(options.where, "planner.policy",
+                             fmt::format("\"{}:WEIGHTS\"", entry.name),
+                             config::quoted(specification));
+  }
+  if (!entry.needs_weights && !its_options.weights.empty()) {
+    throw core::StartupError(options.where, "planner.policy",
+                             fmt::format("\"{}\", which has no weights", entry.name),
+                             config::quoted(fmt::format("{}:{}", entry.name, its_options.weights)));
+  }
+  return entry.make(its_options);
+}
+
+}  // namespace roundabout::planner
