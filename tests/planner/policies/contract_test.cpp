@@ -1,0 +1,245 @@
+// What every entry of the table of policies promises (planner/policy.h).
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "common/core/angles.h"
+#include "planner/policies/table.h"
+#include "tests/planner/policies/random_scene.h"
+#include "tests/support/allocation_count.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/weights.h"
+
+namespace roundabout::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kMostOthers = 40;
+
+// A decision that outlives the next query.
+struct Answer {
+  explicit Answer(const Decision& decision)
+      : speed_mps(decision.speed_mps),
+        heading_change_rad(decision.heading_change_rad),
+        action(decision.action),
+        probabilities(decision.action_probabilities.begin(), decision.action_probabilities.end()) {}
+
+  bool operator==(const Answer&) const = default;
+
+  double speed_mps;
+  double heading_change_rad;
+  int action;
+  std::vector<float> probabilities;
+};
+
+class PolicyContract : public ::testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Policy> make() { return makePolicy(specification_, {}); }
+
+  void SetUp() override {
+    specification_ = GetParam();
+    if (GetParam() == "ga3c_cadrl") {
+      const std::string weights = folder_ / "weights.safetensors";
+      test::writeRandomGa3cCadrl(weights);
+      specification_ += ":" + weights;
+    }
+  }
+
+  // Every number of others, from all over the room to all on top of each other.
+  template <class Check>
+  void forManyScenes(Check check) {
+    core::RandomStream random(1, "scenes");
+    for (std::size_t num_others = 0; num_others <= kMostOthers; ++num_others) {
+      for (const double half_side_m : {0.5, 2.0, 6.0, 20.0}) {
+        SCOPED_TRACE(::testing::Message()
+                     << num_others << " others in " << 2.0 * half_side_m << " m");
+        check(randomScene(random, num_others, half_side_m), random);
+      }
+    }
+  }
+
+ private:
+  test::ScratchFolder folder_;
+  std::string specification_;
+};
+
+void expectSound(const Scene& scene, const Decision& decision) {
+  EXPECT_GE(decision.speed_mps, 0.0);
+  EXPECT_LE(decision.speed_mps, scene.ego.preferred_speed_mps);
+  EXPECT_GE(decision.heading_change_rad, -std::numbers::pi);
+  EXPECT_LE(decision.heading_change_rad, std::numbers::pi);
+  EXPECT_GE(decision.neighbours_used, 0);
+  EXPECT_LE(decision.neighbours_used, static_cast<int>(scene.others.size()));
+
+  const auto probabilities = decision.action_probabilities;
+  if (probabilities.empty()) {
+    EXPECT_EQ(decision.action, -1);
+    return;
+  }
+  EXPECT_NEAR(std::accumulate(probabilities.begin(), probabilities.end(), 0.0), 1.0, 1e-5);
+  EXPECT_GE(*std::min_element(probabilities.begin(), probabilities.end()), 0.0F);
+  EXPECT_EQ(decision.action,
+            std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin());
+}
+
+TEST_P(PolicyContract, NameIsTheTables) { EXPECT_EQ(make()->name(), GetParam()); }
+
+TEST_P(PolicyContract, DecisionsAreSound) {
+  const auto policy = make();
+  forManyScenes([&](const Scene& scene, core::RandomStream&) {
+    expectSound(scene, policy->decide(scene.ego, scene.others));
+  });
+}
+
+TEST_P(PolicyContract, DegenerateScenesAreAnsweredSoundly) {
+  const auto policy = make();
+  const auto check = [&](const Scene& scene, const char* what) {
+    SCOPED_TRACE(what);
+    expectSound(scene, policy->decide(scene.ego, scene.others));
+  };
+  forManyScenes([&](const Scene& scene, core::RandomStream&) {
+    Scene changed = scene;
+    changed.ego.goal_world_m = scene.ego.position_world_m;
+    check(changed, "on its goal");
+
+    changed = scene;
+    changed.ego.velocity_world_mps.setZero();
+    for (core::OtherAgent& other : changed.others) {
+      other.velocity_world_mps.setZero();
+    }
+    check(changed, "all stand");
+
+    changed = scene;
+    for (core::OtherAgent& other : changed.others) {
+      other.position_world_m = scene.ego.position_world_m;
+    }
+    check(changed, "all in one place");
+
+    for (core::OtherAgent& other : changed.others) {
+      other.velocity_world_mps = scene.ego.velocity_world_mps;
+    }
+    check(changed, "all in one place at one velocity");
+
+    changed = scene;
+    changed.ego.goal_world_m *= 1e6;
+    for (core::OtherAgent& other : changed.others) {
+      other.position_world_m *= 1e6;
+    }
+    check(changed, "far away");
+
+    changed = scene;
+    for (core::OtherAgent& other : changed.others) {
+      other = changed.others.front();
+    }
+    check(changed, "all others the same");
+  });
+}
+
+TEST_P(PolicyContract, HeadOnIsAnsweredSoundly) {
+  const auto policy = make();
+  for (double distance_m = 0.0; distance_m <= 10.0; distance_m += 0.125) {
+    for (const double closing_mps : {0.0, 0.5, 1.0}) {
+      Scene scene;
+      scene.ego.goal_world_m = {10.0, 0.0};
+      scene.ego.velocity_world_mps = {closing_mps, 0.0};
+      scene.others = {{{distance_m, 0.0}, {-closing_mps, 0.0}, 0.5}};
+      SCOPED_TRACE(distance_m);
+      expectSound(scene, policy->decide(scene.ego, scene.others));
+    }
+  }
+}
+
+TEST_P(PolicyContract, SameSceneSameDecision) {
+  const auto policy = make();
+  const auto twin = make();
+  forManyScenes([&](const Scene& scene, core::RandomStream&) {
+    policy->reset();
+    twin->reset();
+    const Answer first(policy->decide(scene.ego, scene.others));
+    EXPECT_EQ(Answer(twin->decide(scene.ego, scene.others)), first);
+    policy->reset();
+    EXPECT_EQ(Answer(policy->decide(scene.ego, scene.others)), first);
+  });
+}
+
+TEST_P(PolicyContract, OrderOfOthersDoesNotMatter) {
+  const auto policy = make();
+  forManyScenes([&](Scene scene, core::RandomStream& random) {
+    policy->reset();
+    const Answer before(policy->decide(scene.ego, scene.others));
+    random.shuffle(scene.others);
+    policy->reset();
+    EXPECT_EQ(Answer(policy->decide(scene.ego, scene.others)), before);
+  });
+}
+
+// The scene as somebody sees it whose world frame lies elsewhere.
+Scene moved(const Scene& scene, double angle_rad, const Vector2d& shift_m) {
+  const Eigen::Rotation2Dd turn(angle_rad);
+  Scene result = scene;
+  result.ego.position_world_m = turn * scene.ego.position_world_m + shift_m;
+  result.ego.velocity_world_mps = turn * scene.ego.velocity_world_mps;
+  result.ego.heading_world_rad = core::wrapToPi(scene.ego.heading_world_rad + angle_rad);
+  result.ego.goal_world_m = turn * scene.ego.goal_world_m + shift_m;
+  for (core::OtherAgent& other : result.others) {
+    other.position_world_m = turn * other.position_world_m + shift_m;
+    other.velocity_world_mps = turn * other.velocity_world_mps;
+  }
+  return result;
+}
+
+TEST_P(PolicyContract, WorldFrameDoesNotMatter) {
+  const auto policy = make();
+  forManyScenes([&](const Scene& scene, core::RandomStream& random) {
+    policy->reset();
+    const Answer here(policy->decide(scene.ego, scene.others));
+    const double angle_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
+    const Scene elsewhere = moved(scene, angle_rad, randomVector(random, 20.0));
+    policy->reset();
+    const Answer there(policy->decide(elsewhere.ego, elsewhere.others));
+
+    if (!here.probabilities.empty()) {
+      // Single precision may decide between two actions that are equally probable.
+      for (std::size_t i = 0; i < here.probabilities.size(); ++i) {
+        EXPECT_NEAR(there.probabilities[i], here.probabilities[i], 1e-4);
+      }
+      return;
+    }
+    EXPECT_NEAR(there.speed_mps, here.speed_mps, 1e-6);
+    EXPECT_NEAR(core::wrapToPi(there.heading_change_rad - here.heading_change_rad), 0.0, 1e-6);
+  });
+}
+
+TEST_P(PolicyContract, AllocatesNothingAfterTheFirstCallWithAsManyOthers) {
+  const auto policy = make();
+  core::RandomStream random(2, "allocations");
+  for (std::size_t num_others = 0; num_others <= kMostOthers; ++num_others) {
+    const Scene easy = randomScene(random, num_others, 100.0);
+    const Scene crowded = randomScene(random, num_others, 1.0);
+    policy->decide(easy.ego, easy.others);
+    const std::size_t before = test::allocationCount();
+    policy->decide(crowded.ego, crowded.others);
+    policy->decide(easy.ego, easy.others);
+    const std::size_t after = test::allocationCount();
+    EXPECT_EQ(after, before) << num_others << " others";
+  }
+}
+
+std::vector<std::string> policyNames() {
+  std::vector<std::string> names;
+  for (const PolicyEntry& entry : policyTable()) {
+    names.emplace_back(entry.name);
+  }
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, PolicyContract, ::testing::ValuesIn(policyNames()),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace roundabout::planner
