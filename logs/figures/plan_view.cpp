@@ -1,0 +1,94 @@
+#include "logs/figures/plan_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace roundabout::logs {
+
+namespace {
+
+// Pixels.
+constexpr double kPlot = 760.0;
+constexpr int kMinWidth = 420;
+constexpr int kLeft = 70;
+constexpr int kRight = 150;
+constexpr int kTop = 50;
+constexpr int kBottom = 85;
+constexpr double kMarginM = 0.3;
+
+}  // namespace
+
+void PlanView::include(const Eigen::Vector3d& centre, double radius_m) {
+  const Eigen::Vector2d low = centre.head<2>().array() - radius_m;
+  const Eigen::Vector2d high = centre.head<2>().array() + radius_m;
+  min_m_ = empty_ ? low : min_m_.cwiseMin(low).eval();
+  max_m_ = empty_ ? high : max_m_.cwiseMax(high).eval();
+  empty_ = false;
+}
+
+Eigen::Vector2d PlanView::extent() const {
+  // At least as wide as the title.
+  Eigen::Vector2d extent_m = (max_m_ - min_m_).array() + 2.0 * kMarginM;
+  extent_m.x() = std::max(extent_m.x(), extent_m.y() * kMinWidth / kPlot);
+  return extent_m;
+}
+
+double PlanView::pixelsPerMetre() const { return kPlot / extent().maxCoeff(); }
+
+CanvasSize PlanView::size() const {
+  const Eigen::Vector2d plot = extent() * pixelsPerMetre();
+  return {static_cast<int>(std::lround(plot.x())) + kLeft + kRight,
+          static_cast<int>(std::lround(plot.y())) + kTop + kBottom};
+}
+
+void PlanView::set(GnuplotScript& script, const std::string& caption) const {
+  const CanvasSize canvas = size();
+  const Eigen::Vector2d centre = (min_m_ + max_m_) / 2.0;
+  const Eigen::Vector2d half = extent() / 2.0;
+  script.line("set xrange [{:.3f}:{:.3f}]", centre.x() - half.x(), centre.x() + half.x());
+  script.line("set yrange [{:.3f}:{:.3f}]", centre.y() - half.y(), centre.y() + half.y());
+  script.line("set size ratio -1");
+  script.line("set lmargin at screen {:.4f}", static_cast<double>(kLeft) / canvas.width);
+  script.line("set rmargin at screen {:.4f}", 1.0 - static_cast<double>(kRight) / canvas.width);
+  script.line("set bmargin at screen {:.4f}", static_cast<double>(kBottom) / canvas.height);
+  script.line("set tmargin at screen {:.4f}", 1.0 - static_cast<double>(kTop) / canvas.height);
+  script.line("set xlabel {}", quoted("x (m)\n" + caption));
+  script.line("set ylabel \"y (m)\"");
+  script.line("set key outside right top Left reverse samplen 1.5 spacing 1.3");
+}
+
+std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,
+                                  double step_m) {
+  std::vector<std::string> rows;
+  const Sample* last = nullptr;
+  for (std::size_t frame = begin; frame < end; ++frame) {
+    const Sample& sample = vehicle.samples[frame];
+    if (!sample.tracked) {
+      if (last != nullptr) {
+        rows.emplace_back();
+      }
+      last = nullptr;
+    } else if (last == nullptr ||
+               (sample.position_world_m - last->position_world_m).norm() >= step_m) {
+      rows.push_back(
+          fmt::format("{:.3f} {:.3f}", sample.position_world_m.x(), sample.position_world_m.y()));
+      last = &sample;
+    }
+  }
+  return rows;
+}
+
+std::vector<std::string> starRows(const Eigen::Vector3d& centre, double radius_m) {
+  constexpr double kInnerRatio = 0.42;
+  std::vector<std::string> rows;
+  for (int corner = 0; corner <= 10; ++corner) {
+    const double angle_rad = std::numbers::pi * (0.5 + corner / 5.0);
+    const double reach_m = corner % 2 == 0 ? radius_m : kInnerRatio * radius_m;
+    rows.push_back(fmt::format("{:.4f} {:.4f}", centre.x() + reach_m * std::cos(angle_rad),
+                               centre.y() + reach_m * std::sin(angle_rad)));
+  }
+  return rows;
+}
+
+}  // namespace roundabout::logs

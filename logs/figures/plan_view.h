@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "logs/figures/canvas.h"
+
+namespace roundabout::logs {
+
+/// The floor seen from above, both axes to the same scale, big enough for all that was added.
+class PlanView {
+ public:
+  /// Makes room for a circle. m, world.
+  void include(const Eigen::Vector3d& centre, double radius_m);
+
+  CanvasSize size() const;
+  /// Axes, ranges and margins.
+  void set(GnuplotScript& script, const std::string& caption) const;
+
+ private:
+  double pixelsPerMetre() const;
+  Eigen::Vector2d extent() const;
+
+  Eigen::Vector2d min_m_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d max_m_ = Eigen::Vector2d::Zero();
+  bool empty_ = true;
+};
+
+/// "x y" of the tracked samples [begin, end), no closer together than step_m; an empty row where
+/// the vehicle was not tracked.
+std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,
+                                  double step_m);
+
+/// The outline of a five-pointed star.
+std::vector<std::string> starRows(const Eigen::Vector3d& centre, double radius_m);
+
+}  // namespace roundabout::logs

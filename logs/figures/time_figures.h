@@ -1,0 +1,21 @@
+#pragma once
+
+#include "logs/figures/canvas.h"
+
+namespace roundabout::logs {
+
+/// Each fills in the figure's title and caption. Time is data time since the first frame;
+/// formations are shaded.
+
+/// The closest gap between bodies, with where bodies touch and where assumed radii do.
+void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
+                    Figure& figure);
+
+/// Every vehicle's speed.
+void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metrics, Figure& figure);
+
+/// The shortest and the longest interval between frames, by log time.
+void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
+                        Figure& figure);
+
+}  // namespace roundabout::logs

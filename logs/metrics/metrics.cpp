@@ -1,0 +1,67 @@
+#include "logs/metrics/metrics.h"
+
+#include <algorithm>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "logs/metrics/faults.h"
+#include "logs/metrics/formations.h"
+#include "logs/metrics/separation.h"
+#include "logs/metrics/timing.h"
+#include "logs/metrics/vehicles.h"
+
+namespace roundabout::logs {
+
+namespace {
+
+std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics) {
+  std::vector<std::string> failures;
+  if (flight.frames.empty()) {
+    failures.emplace_back("the log holds no VEHICLE_STATES");
+  }
+  for (const Encounter& touch : metrics.separation.touches) {
+    failures.push_back(fmt::format("the bodies of {} and {} touched at {:.1f} s (overlap {:.2f} m)",
+                                   touch.vehicle_a, touch.vehicle_b, touch.begin_at_s,
+                                   -touch.closest_gap_m));
+  }
+  for (const FormationMetrics& formation : metrics.formations) {
+    if (!formation.formed) {
+      failures.push_back(fmt::format("{} was not formed", formation.name));
+    }
+  }
+  if (metrics.phases.empty()) {
+    failures.emplace_back("the log holds no FLEET_STATUS: nobody said what was to be formed");
+  } else if (const FleetPhase last = metrics.phases.back().phase;
+             last != FleetPhase::kDone && last != FleetPhase::kIdle) {
+    const std::string& reason = flight.fleet.back().value.reason;
+    failures.push_back(fmt::format("the flight ended in phase {}{}", nameOf(last),
+                                   reason.empty() ? "" : ": " + reason));
+  }
+  return failures;
+}
+
+}  // namespace
+
+int Metrics::formationsFormed() const {
+  return static_cast<int>(
+      std::count_if(formations.begin(), formations.end(),
+                    [](const FormationMetrics& formation) { return formation.formed; }));
+}
+
+Metrics computeMetrics(const Flight& flight) {
+  Metrics metrics;
+  metrics.timing = timingOf(flight);
+  metrics.separation = separationOf(flight);
+  metrics.phases = phasesOf(flight);
+  metrics.formations =
+      formationsOf(flight, metrics.phases, gapsOverTime(flight), metrics.separation);
+  for (const FlightVehicle& vehicle : flight.vehicles) {
+    metrics.vehicles.push_back(vehicleMetricsOf(flight, vehicle));
+  }
+  metrics.faults = faultsOf(flight, metrics.phases, metrics.timing.nominal_interval_s);
+  metrics.failures = failuresOf(flight, metrics);
+  metrics.success = metrics.failures.empty();
+  return metrics;
+}
+
+}  // namespace roundabout::logs

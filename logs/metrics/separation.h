@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "logs/metrics/metrics.h"
+
+namespace roundabout::logs {
+
+/// The closest pair of every frame.
+struct GapsOverTime {
+  struct Entry {
+    double body_gap_m;  ///< infinite: fewer than two vehicles in the air
+    std::size_t vehicle_a;
+    std::size_t vehicle_b;
+  };
+  std::vector<Entry> frames;
+};
+
+GapsOverTime gapsOverTime(const Flight& flight);
+
+/// The smallest gap between bodies in frames [begin, end).
+ClosestGap closestIn(const Flight& flight, const GapsOverTime& gaps, std::size_t begin,
+                     std::size_t end);
+
+SeparationMetrics separationOf(const Flight& flight);
+
+}  // namespace roundabout::logs
