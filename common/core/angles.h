@@ -8,8 +8,10 @@ namespace roundabout::core {
 /// Wraps an angle to [-pi, pi). rad.
 inline double wrapToPi(double angle_rad) {
   constexpr double kTwoPi = 2.0 * std::numbers::pi;
-  const double wrapped = std::fmod(angle_rad + std::numbers::pi, kTwoPi);
-  return (wrapped < 0.0 ? wrapped + kTwoPi : wrapped) - std::numbers::pi;
+  const double shifted = std::fmod(angle_rad + std::numbers::pi, kTwoPi);
+  const double wrapped = (shifted < 0.0 ? shifted + kTwoPi : shifted) - std::numbers::pi;
+  // A shifted angle just below zero rounds up to two pi.
+  return wrapped < std::numbers::pi ? wrapped : -std::numbers::pi;
 }
 
 }  // namespace roundabout::core

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
 #include "common/core/time.h"
 
 namespace roundabout::core {
@@ -17,13 +21,14 @@ class TickTimer {
     if (started_ && tick <= last_tick_) {
       return false;
     }
-    missed_ += started_ ? static_cast<int>(tick - last_tick_ - 1) : 0;
+    const std::int64_t missed = missed_ + (started_ ? tick - last_tick_ - 1 : 0);
+    missed_ = static_cast<int>(std::min<std::int64_t>(missed, std::numeric_limits<int>::max()));
     started_ = true;
     last_tick_ = tick;
     return true;
   }
 
-  /// Ticks that passed without a frame.
+  /// Ticks that passed without a frame; stays at the largest int.
   int missed() const { return missed_; }
   Utime periodUs() const { return period_us_; }
 
