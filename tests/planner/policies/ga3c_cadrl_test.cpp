@@ -1,0 +1,239 @@
+#include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/core/random.h"
+#include "planner/policies/ga3c_cadrl/weights.h"
+#include "tests/planner/policies/random_scene.h"
+#include "tests/support/allocation_count.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/weights.h"
+
+namespace roundabout::planner {
+namespace {
+
+using Numbers = std::vector<double>;
+
+std::shared_ptr<const Ga3cCadrlWeights> randomWeights(std::uint64_t seed) {
+  return toGa3cCadrlWeights(test::randomGa3cCadrl(seed), "random");
+}
+
+double sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
+
+// The features, normalised, and after them what an LSTM remembers.
+template <class Features, class Statistics>
+Numbers joined(const Features& features, const Statistics& mean, const Statistics& deviation,
+               const Numbers& hidden) {
+  Numbers numbers(features.size() + hidden.size());
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    numbers[i] = (double{features[i]} - mean[i]) / deviation[i];
+  }
+  for (std::size_t k = 0; k < hidden.size(); ++k) {
+    numbers[features.size() + k] = hidden[k];
+  }
+  return numbers;
+}
+
+// A network as NETWORK.md describes the published ones, with plain loops over a file's tensors.
+class PlainNetwork {
+ public:
+  explicit PlainNetwork(const nn::TensorFile& file) : file_(file) {}
+
+  // The probabilities, then the value.
+  Numbers evaluate(const Observation& observation) const {
+    const Normalisation norm = test::unusualNormalisation();
+    Numbers hidden(64, 0.0);
+    Numbers cell(64, 0.0);
+    for (const OtherFeatures& other : observation.others) {
+      const Numbers gates =
+          layer("lstm", joined(other, norm.other_mean, norm.other_deviation, hidden));
+      for (std::size_t k = 0; k < 64; ++k) {
+        cell[k] =
+            sigmoid(gates[128 + k] + 1.0) * cell[k] + sigmoid(gates[k]) * std::tanh(gates[64 + k]);
+        hidden[k] = sigmoid(gates[192 + k]) * std::tanh(cell[k]);
+      }
+    }
+    Numbers wide = joined(observation.ego, norm.ego_mean, norm.ego_deviation, hidden);
+    for (const char* name : {"layer1", "layer2", "layer3"}) {
+      wide = layer(name, wide);
+      std::for_each(wide.begin(), wide.end(), [](double& each) { each = std::max(each, 0.0); });
+    }
+    Numbers result = layer("policy", wide);
+    double sum = 0.0;
+    for (double& each : result) {
+      each = std::exp(each);
+      sum += each;
+    }
+    std::for_each(result.begin(), result.end(), [sum](double& each) { each /= sum; });
+    result.push_back(layer("value", wide)[0]);
+    return result;
+  }
+
+ private:
+  Numbers layer(const std::string& name, const Numbers& input) const {
+    const nn::Tensor& kernel = file_.tensors.at(name + "/kernel");
+    const nn::Tensor& bias = file_.tensors.at(name + "/bias");
+    Numbers output(bias.values.begin(), bias.values.end());
+    for (std::size_t i = 0; i < input.size(); ++i) {
+      for (std::size_t j = 0; j < output.size(); ++j) {
+        output[j] += input[i] * double{kernel.values[i * output.size() + j]};
+      }
+    }
+    return output;
+  }
+
+  const nn::TensorFile& file_;
+};
+
+TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPass) {
+  const nn::TensorFile file = test::randomGa3cCadrl(3);
+  const PlainNetwork plain(file);
+  Ga3cCadrlNetwork network(toGa3cCadrlWeights(file, "random"));
+  core::RandomStream random(3, "scenes");
+  ObservationEncoder encoder(19);
+  for (std::size_t num_others = 0; num_others <= 19; ++num_others) {
+    const Scene scene = randomScene(random, num_others, 5.0);
+    const Observation& observation = encoder.encode(scene.ego, scene.others);
+    const Ga3cCadrlNetwork::Output output = network.evaluate(observation);
+    const Numbers expected = plain.evaluate(observation);
+    ASSERT_EQ(output.probabilities.size(), 11U);
+    for (std::size_t action = 0; action < 11; ++action) {
+      EXPECT_NEAR(output.probabilities[action], expected[action], 1e-5)
+          << num_others << " others, action " << action;
+    }
+    EXPECT_NEAR(output.value, expected[11], 1e-4) << num_others << " others";
+    EXPECT_EQ(output.best_action,
+              std::max_element(expected.begin(), expected.end() - 1) - expected.begin());
+  }
+}
+
+TEST(Ga3cCadrlNetwork, AnswersAlikeForEveryAgentThatSharesItsWeights) {
+  const auto weights = randomWeights(4);
+  Ga3cCadrlNetwork used(weights);
+  core::RandomStream random(4, "scenes");
+  ObservationEncoder encoder(19);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Scene scene = randomScene(random, random.index(20), 5.0);
+    const Observation& observation = encoder.encode(scene.ego, scene.others);
+    Ga3cCadrlNetwork fresh(weights);
+    const auto expected = fresh.evaluate(observation);
+    const auto found = used.evaluate(observation);
+    EXPECT_EQ(found.value, expected.value);
+    EXPECT_TRUE(std::equal(found.probabilities.begin(), found.probabilities.end(),
+                           expected.probabilities.begin(), expected.probabilities.end()));
+  }
+}
+
+TEST(Ga3cCadrlNetwork, PrefersTheFirstOfEqualActions) {
+  nn::TensorFile file = test::randomGa3cCadrl(5);
+  std::ranges::fill(file.tensors["policy/kernel"].values, 0.0F);
+  std::ranges::fill(file.tensors["policy/bias"].values, 0.0F);
+  Ga3cCadrlNetwork network(toGa3cCadrlWeights(file, "equal"));
+  const auto output = network.evaluate(Observation{});
+  EXPECT_EQ(output.best_action, 0);
+  EXPECT_FLOAT_EQ(output.probabilities[0], 1.0F / 11.0F);
+}
+
+TEST(Ga3cCadrlNetwork, StaysFiniteWithHugeScores) {
+  nn::TensorFile file = test::randomGa3cCadrl(6);
+  file.tensors["policy/bias"].values[7] = 1e30F;
+  Ga3cCadrlNetwork network(toGa3cCadrlWeights(file, "huge"));
+  const auto output = network.evaluate(Observation{});
+  EXPECT_EQ(output.best_action, 7);
+  EXPECT_EQ(output.probabilities[7], 1.0F);
+  EXPECT_NEAR(output.probabilities[0], 0.0F, 1e-30F);
+}
+
+// Flies the given action whatever it sees.
+std::unique_ptr<Policy> policyThatChooses(std::size_t action) {
+  nn::TensorFile file = test::randomGa3cCadrl(7);
+  file.tensors["policy/bias"].values[action] = 1000.0F;
+  return std::make_unique<Ga3cCadrl>(toGa3cCadrlWeights(file, "biased"));
+}
+
+TEST(Ga3cCadrl, TurnsEveryActionIntoItsSpeedAndHeadingChange) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  constexpr std::array<std::array<double, 2>, 11> kPaper = {{{1.0, -30.0},
+                                                             {1.0, -15.0},
+                                                             {1.0, 0.0},
+                                                             {1.0, 15.0},
+                                                             {1.0, 30.0},
+                                                             {0.5, -30.0},
+                                                             {0.5, 0.0},
+                                                             {0.5, 30.0},
+                                                             {0.0, -30.0},
+                                                             {0.0, 0.0},
+                                                             {0.0, 30.0}}};
+  core::RandomStream random(7, "scene");
+  Scene scene = randomScene(random, 2, 5.0);
+  scene.ego.preferred_speed_mps = 0.8;
+  for (std::size_t action = 0; action < kPaper.size(); ++action) {
+    const Decision decision = policyThatChooses(action)->decide(scene.ego, scene.others);
+    EXPECT_EQ(decision.action, static_cast<int>(action));
+    EXPECT_DOUBLE_EQ(decision.speed_mps, kPaper[action][0] * 0.8);
+    EXPECT_DOUBLE_EQ(decision.heading_change_rad, kPaper[action][1] * kDegree);
+  }
+}
+
+TEST(Ga3cCadrl, ReportsWhatTheNetworkSaid) {
+  const auto weights = randomWeights(8);
+  Ga3cCadrl policy(weights);
+  core::RandomStream random(8, "scene");
+  const Scene scene = randomScene(random, 25, 5.0);
+  const Decision decision = policy.decide(scene.ego, scene.others);
+
+  ObservationEncoder encoder(19);
+  Ga3cCadrlNetwork network(weights);
+  const auto output = network.evaluate(encoder.encode(scene.ego, scene.others));
+  EXPECT_EQ(decision.neighbours_used, 19);
+  EXPECT_EQ(decision.value, output.value);
+  EXPECT_TRUE(std::equal(decision.action_probabilities.begin(), decision.action_probabilities.end(),
+                         output.probabilities.begin(), output.probabilities.end()));
+}
+
+TEST(Ga3cCadrl, ObservesNoMoreOthersThanItsNetworkWasMadeFor) {
+  nn::TensorFile file = test::randomGa3cCadrl(9);
+  file.metadata["max_others"] = "3";
+  Ga3cCadrl policy(toGa3cCadrlWeights(file, "three"));
+  core::RandomStream random(9, "scene");
+  const Scene scene = randomScene(random, 5, 5.0);
+  EXPECT_EQ(policy.decide(scene.ego, scene.others).neighbours_used, 3);
+}
+
+TEST(Ga3cCadrl, AllocatesNothingAfterTheFirstQuery) {
+  Ga3cCadrl policy(randomWeights(10));
+  core::RandomStream random(10, "scenes");
+  std::vector<Scene> scenes;
+  for (std::size_t num_others = 0; num_others <= 19; ++num_others) {
+    scenes.push_back(randomScene(random, num_others, 5.0));
+  }
+  policy.decide(scenes.back().ego, scenes.back().others);
+  const std::size_t before = test::allocationCount();
+  for (const Scene& scene : scenes) {
+    policy.decide(scene.ego, scene.others);
+  }
+  EXPECT_EQ(test::allocationCount(), before);
+}
+
+TEST(Ga3cCadrl, IsMadeFromAWeightFile) {
+  const test::ScratchFolder folder;
+  PolicyOptions options;
+  options.weights = folder / "weights.safetensors";
+  test::writeRandomGa3cCadrl(options.weights, 11);
+  const std::unique_ptr<Policy> policy = makeGa3cCadrl(options);
+  EXPECT_EQ(policy->name(), "ga3c_cadrl");
+  core::RandomStream random(11, "scene");
+  const Scene scene = randomScene(random, 4, 5.0);
+  Ga3cCadrl same(randomWeights(11));
+  EXPECT_EQ(policy->decide(scene.ego, scene.others).value,
+            same.decide(scene.ego, scene.others).value);
+}
+
+}  // namespace
+}  // namespace roundabout::planner

@@ -1,0 +1,83 @@
+#include "planner/policy_tools/policy_commands.h"
+
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/scratch_folder.h"
+#include "tests/support/startup_error.h"
+#include "tests/support/weights.h"
+
+namespace roundabout::planner {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::internal::CaptureStdout;
+using ::testing::internal::GetCapturedStdout;
+
+class PolicyCommands : public ::testing::Test {
+ protected:
+  PolicyCommands() { addPolicyCommands(app_); }
+
+  void run(const std::string& arguments) { app_.parse(arguments, false); }
+
+  CLI::App app_;
+  test::ScratchFolder folder_;
+  std::string weights_ = folder_ / "weights.safetensors";
+};
+
+TEST_F(PolicyCommands, ImportRefusesAMissingCheckpointAndWritesNothing) {
+  EXPECT_THAT(
+      test::startupErrorOf([this] { run("policy import /nowhere/network -o " + weights_); }),
+      HasSubstr("/nowhere/network.index: checkpoint index: expected a file"));
+  EXPECT_FALSE(std::filesystem::exists(weights_));
+}
+
+TEST_F(PolicyCommands, InfoSaysWhatTheFileHolds) {
+  test::writeRandomGa3cCadrl(weights_);
+  CaptureStdout();
+  run("policy info " + weights_);
+  EXPECT_THAT(GetCapturedStdout(), AllOf(HasSubstr("architecture      ga3c_cadrl_lstm\n"),
+                                         HasSubstr("provenance        random, for tests\n"),
+                                         HasSubstr("lstm/kernel       [71, 256]      18176\n"),
+                                         HasSubstr("parameters                      170764\n")));
+}
+
+TEST_F(PolicyCommands, InfoRefusesWhatNoPolicyAccepts) {
+  nn::TensorFile file = test::randomGa3cCadrl(1);
+  file.metadata["architecture"] = "another";
+  nn::writeSafetensors(weights_, file);
+  CaptureStdout();
+  const std::string error = test::startupErrorOf([this] { run("policy info " + weights_); });
+  EXPECT_THAT(GetCapturedStdout(), HasSubstr("another"));
+  EXPECT_THAT(error, HasSubstr("metadata architecture: expected \"ga3c_cadrl_lstm\""));
+}
+
+TEST_F(PolicyCommands, QueryFailsAtTheEndWhenALineWasBad) {
+  test::writeRandomGa3cCadrl(weights_);
+  std::istringstream lines("nonsense\n");
+  std::streambuf* const standard_input = std::cin.rdbuf(lines.rdbuf());
+  int exit_status = 0;
+  try {
+    run("policy query " + weights_);
+  } catch (const CLI::RuntimeError& error) {
+    exit_status = error.get_exit_code();
+  }
+  std::cin.rdbuf(standard_input);
+  EXPECT_EQ(exit_status, 1);
+}
+
+TEST_F(PolicyCommands, AskForTheirArguments) {
+  for (const char* arguments : {"policy", "policy import x", "policy import -o x", "policy info",
+                                "policy query", "policy nonsense"}) {
+    EXPECT_THROW(run(arguments), CLI::ParseError) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace roundabout::planner

@@ -1,0 +1,41 @@
+#include "tests/support/weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/core/random.h"
+#include "planner/policies/ga3c_cadrl/weights.h"
+
+namespace roundabout::test {
+
+planner::Normalisation unusualNormalisation() {
+  return {.ego_mean = {1.0, 0.1, 0.9, 0.4},
+          .ego_deviation = {4.0, 3.0, 0.8, 0.5},
+          .other_mean = {0.1, -0.2, 0.3, -0.4, 0.5, 0.6, 0.7},
+          .other_deviation = {4.0, 3.0, 2.0, 1.5, 0.5, 1.0, 6.0}};
+}
+
+planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed) {
+  planner::nn::TensorFile file;
+  for (const planner::TensorSpec& spec : planner::kGa3cCadrlTensors) {
+    core::RandomStream random(seed, spec.name);
+    // Sums over the inputs come out near one, so that no unit saturates.
+    const double deviation = spec.rows == 0 ? 0.1 : 1.5 / std::sqrt(spec.rows);
+    planner::nn::Tensor tensor;
+    tensor.shape = spec.shape();
+    tensor.values.resize(static_cast<std::size_t>(std::max(spec.rows, 1) * spec.columns));
+    for (float& value : tensor.values) {
+      value = static_cast<float>(random.normal(deviation));
+    }
+    file.tensors.emplace(spec.name, std::move(tensor));
+  }
+  file.metadata = planner::ga3cCadrlMetadata(unusualNormalisation(), 19, "random, for tests");
+  return file;
+}
+
+void writeRandomGa3cCadrl(const std::string& path, std::uint64_t seed) {
+  planner::nn::writeSafetensors(path, randomGa3cCadrl(seed));
+}
+
+}  // namespace roundabout::test

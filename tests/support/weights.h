@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "planner/nn/safetensors.h"
+#include "planner/policies/ga3c_cadrl/network.h"
+
+namespace roundabout::test {
+
+/// Like the published networks', with other numbers: a reader that ignores the file's is noticed.
+planner::Normalisation unusualNormalisation();
+
+/// A valid GA3C-CADRL network that knows nothing: random parameters, the same for the same seed.
+planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed);
+
+/// Writes it as a weight file, for tests that need one and no reference data.
+void writeRandomGa3cCadrl(const std::string& path, std::uint64_t seed = 1);
+
+}  // namespace roundabout::test
