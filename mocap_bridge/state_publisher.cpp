@@ -1,0 +1,87 @@
+#include "mocap_bridge/state_publisher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "common/bus/messages.h"
+#include "common/bus/typed.h"
+#include "common/core/error.h"
+
+namespace roundabout::mocap_bridge {
+
+namespace {
+
+// Sources deliver rounded quaternions; farther from unit than this it is not rounding any more.
+constexpr double kUnitTolerance = 0.01;
+
+bool usable(const core::VehicleState& state) {
+  return state.position_world_m.allFinite() && state.velocity_world_mps.allFinite() &&
+         state.angular_velocity_body_radps.allFinite() &&
+         std::abs(state.orientation.norm() - 1.0) <= kUnitTolerance;
+}
+
+}  // namespace
+
+StatePublisher::StatePublisher(bus::Bus& bus, const std::vector<std::string>& vehicles)
+    : bus_(bus) {
+  for (const std::string& name : vehicles) {
+    out_.vehicles.emplace_back().name = name;
+  }
+}
+
+bool StatePublisher::continues(const core::StatesFrame& frame) const {
+  const bool newer = counters_.published == 0 ||
+                     (frame.utime > out_.utime && frame.frame_number > out_.frame_number);
+  return newer && std::equal(frame.vehicles.begin(), frame.vehicles.end(), out_.vehicles.begin(),
+                             out_.vehicles.end(),
+                             [](const auto& a, const auto& b) { return a.name == b.name; });
+}
+
+bool StatePublisher::publish(const core::StatesFrame& frame) {
+  if (!continues(frame)) {
+    ++counters_.dropped_frames;
+    return false;
+  }
+  out_.utime = frame.utime;
+  out_.frame_number = frame.frame_number;
+  for (std::size_t i = 0; i < frame.vehicles.size(); ++i) {
+    const core::VehicleState& in = frame.vehicles[i];
+    core::VehicleState& out = out_.vehicles[i];
+    if (in.tracked && usable(in)) {
+      out = in;
+      out.orientation.normalize();
+      out.last_seen = frame.utime;
+    } else {
+      counters_.rejected_states += in.tracked ? 1 : 0;
+      out.tracked = false;
+    }
+  }
+  bus::publish(bus_, bus::kStatesChannel, bus::toMessage(out_));
+  ++counters_.published;
+  return true;
+}
+
+bool somebodyElsePublishes(bus::Bus& listener, std::chrono::milliseconds duration) {
+  using Clock = std::chrono::steady_clock;
+  // Shared, because the subscription outlives this call.
+  const auto heard = std::make_shared<bool>(false);
+  listener.subscribe(bus::kStatesChannel, [heard](const bus::Received&) { *heard = true; });
+  const auto deadline = Clock::now() + duration;
+  auto left = duration;
+  do {
+    listener.handle(left);
+    left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+  } while (!*heard && left.count() > 0);
+  return *heard;
+}
+
+void requireSolePublisher(bus::Bus& listener, const std::string& url,
+                          std::chrono::milliseconds duration) {
+  if (somebodyElsePublishes(listener, duration)) {
+    throw core::StartupError("lcm_url", bus::kStatesChannel, "no other publisher",
+                             std::string(bus::kStatesChannel) + " is already published on " + url);
+  }
+}
+
+}  // namespace roundabout::mocap_bridge

@@ -1,0 +1,56 @@
+#pragma once
+
+// The one publisher of VEHICLE_STATES. The bridge and the simulator both end here, so their traffic
+// cannot differ.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.h"
+#include "common/core/vehicle_state.h"
+
+namespace roundabout::mocap_bridge {
+
+/// Publishes frames and keeps the promises of lcmtypes/vehicle_states_t.lcm whatever it is given:
+/// utime and frame_number strictly increase, vehicles stand in the order of the experiment, numbers
+/// are finite, quaternions are unit, last_seen is the utime of the last frame in which the vehicle
+/// was tracked, and a vehicle that is not tracked shows its last estimate (zeros before the first).
+class StatePublisher {
+ public:
+  struct Counters {
+    std::int64_t published = 0;
+    std::int64_t dropped_frames = 0;   ///< utime or frame_number did not increase, wrong vehicles
+    std::int64_t rejected_states = 0;  ///< said to be tracked, but not finite or not a rotation
+  };
+
+  /// `vehicles`: names in the order of the experiment file.
+  StatePublisher(bus::Bus& bus, const std::vector<std::string>& vehicles);
+
+  /// Of a tracked vehicle everything but last_seen is used, of another one only the name. A
+  /// rejected state goes out as not tracked. Returns false if the frame was dropped.
+  bool publish(const core::StatesFrame& frame);
+
+  /// What went out last.
+  const core::StatesFrame& lastPublished() const { return out_; }
+  const Counters& counters() const { return counters_; }
+
+ private:
+  bool continues(const core::StatesFrame& frame) const;
+
+  bus::Bus& bus_;
+  core::StatesFrame out_;
+  Counters counters_;
+};
+
+/// True if a VEHICLE_STATES message arrives within the duration (wall clock). The bus should be an
+/// object made for this question: subscriptions last as long as their bus.
+bool somebodyElsePublishes(bus::Bus& listener, std::chrono::milliseconds duration);
+
+/// What every program that publishes states calls before its first frame. Throws core::StartupError
+/// if somebodyElsePublishes; `url` is named in it.
+void requireSolePublisher(bus::Bus& listener, const std::string& url,
+                          std::chrono::milliseconds duration);
+
+}  // namespace roundabout::mocap_bridge

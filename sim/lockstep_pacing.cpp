@@ -1,0 +1,104 @@
+#include "sim/lockstep_pacing.h"
+
+#include <spdlog/spdlog.h>
+
+#include "common/bus/messages.h"
+#include "common/bus/typed.h"
+#include "common/core/error.h"
+#include "roundabout_msgs/planner_status_t.hpp"
+
+namespace roundabout::sim {
+
+namespace {
+
+// How late a stop may be noticed.
+constexpr std::chrono::milliseconds kGlance{50};
+constexpr std::chrono::seconds kReminderPeriod{5};
+
+// The node counts what cannot be decoded.
+void ignore(const bus::DecodeError& /*error*/) {}
+
+}  // namespace
+
+LockstepPacing::LockstepPacing(const config::Experiment& experiment, bus::Bus& bus)
+    : experiment_(experiment),
+      bus_(bus),
+      barrier_(experiment.vehicles.size(), experiment.planner.rate_hz, experiment.fleet.rate_hz) {
+  subscribe();
+}
+
+void LockstepPacing::subscribe() {
+  for (std::size_t i = 0; i < experiment_.vehicles.size(); ++i) {
+    const std::string& name = experiment_.vehicles[i].name;
+    bus::subscribe<roundabout_msgs::planner_status_t>(
+        bus_, bus::plannerStatusChannel(name),
+        [this, i](const roundabout_msgs::planner_status_t&) { barrier_.heard(i); }, ignore);
+    bus::subscribe<roundabout_msgs::command_t>(
+        bus_, bus::commandChannel(name),
+        [this, i](const roundabout_msgs::command_t& command) {
+          barrier_.answered(i, command.state_utime);
+        },
+        ignore);
+  }
+  bus::subscribe<roundabout_msgs::fleet_status_t>(
+      bus_, bus::kFleetStatusChannel,
+      [this](const roundabout_msgs::fleet_status_t& status) {
+        barrier_.answered(barrier_.fleet(), status.utime);
+      },
+      ignore);
+}
+
+void LockstepPacing::waitForEverybody(const std::function<bool()>& stop) {
+  const auto begin = Clock::now();
+  auto reminder = begin + kReminderPeriod;
+  while (!barrier_.absent().empty() && !stop()) {
+    const auto now = Clock::now();
+    if (std::chrono::duration<double>(now - begin).count() > experiment_.sim.lockstep_start_s) {
+      throw core::StartupError(
+          experiment_.file, "sim.lockstep_start_s",
+          fmt::format("everybody within {} s", experiment_.sim.lockstep_start_s),
+          "nothing from " + namesOf(barrier_.absent()));
+    }
+    if (now > reminder) {
+      spdlog::info("waiting for {}", namesOf(barrier_.absent()));
+      reminder = now + kReminderPeriod;
+    }
+    bus_.handle(kGlance);
+  }
+}
+
+void LockstepPacing::run(SimNode& node, const std::function<bool()>& stop) {
+  while (!node.finished() && !stop()) {
+    node.advance();
+    barrier_.onFrame(node.nextFrameUtime());
+    node.publishFrame();
+    awaitAnswers(stop);
+  }
+}
+
+void LockstepPacing::awaitAnswers(const std::function<bool()>& stop) {
+  const auto begin = Clock::now();
+  bus_.handle(std::chrono::milliseconds(0));
+  while (!barrier_.complete() && !stop()) {
+    if (std::chrono::duration<double>(Clock::now() - begin).count() >
+        experiment_.sim.lockstep_patience_s) {
+      spdlog::warn("no answer from {}: going on without", namesOf(barrier_.awaited()));
+      barrier_.giveUp();
+      return;
+    }
+    bus_.handle(kGlance);
+  }
+}
+
+std::string LockstepPacing::namesOf(const std::vector<std::size_t>& participants) const {
+  std::string names;
+  for (const std::size_t participant : participants) {
+    names += names.empty() ? "" : ", ";
+    names += participant == barrier_.fleet()
+                 ? "fleet"
+                 : "planner of " + experiment_.vehicles[participant].name;
+  }
+  return names;
+}
+
+}  // namespace roundabout::sim

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.h"
+#include "common/config/experiment.h"
+#include "sim/lockstep_barrier.h"
+#include "sim/sim_node.h"
+
+namespace roundabout::sim {
+
+/// Steps as soon as everybody has answered, so that a flight runs as fast as the machine allows and
+/// comes out the same every time.
+class LockstepPacing {
+ public:
+  /// utime of the first frame, whatever the wall clock says.
+  static constexpr core::Utime kFirstUtime = core::kMicrosPerSecond;
+
+  LockstepPacing(const config::Experiment& experiment, bus::Bus& bus);
+
+  /// Waits until all planners and the fleet have been heard. Throws core::StartupError naming who
+  /// is missing after sim.lockstep_start_s.
+  void waitForEverybody(const std::function<bool()>& stop);
+
+  /// Publishes frames until the node is finished or stop() is true. Who does not answer a frame
+  /// within sim.lockstep_patience_s is not waited for until it is heard again.
+  void run(SimNode& node, const std::function<bool()>& stop);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void subscribe();
+  void awaitAnswers(const std::function<bool()>& stop);
+  std::string namesOf(const std::vector<std::size_t>& participants) const;
+
+  const config::Experiment experiment_;
+  bus::Bus& bus_;
+  LockstepBarrier barrier_;
+};
+
+}  // namespace roundabout::sim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+#include "common/bus/bus.h"
+#include "common/core/time.h"
+#include "sim/sim_node.h"
+
+namespace roundabout::sim {
+
+/// Publishes every frame at its utime plus the mocap latency, by the wall clock.
+class RealTimePacing {
+ public:
+  explicit RealTimePacing(bus::Bus& bus);
+
+  /// utime for a first frame that is due now: wall clock, on the frame grid.
+  static core::Utime firstUtime(double frame_rate_hz);
+
+  /// Publishes frames until the node is finished or stop() is true. Frames that are late go out at
+  /// once; those that are late by more than 100 ms are skipped.
+  void run(SimNode& node, const std::function<bool()>& stop);
+
+ private:
+  bus::Bus& bus_;
+};
+
+/// Asks the system for what keeps this thread on time: a real-time priority, memory that stays,
+/// timers that do not wait for company. Goes on without what is not permitted, and says so.
+void requestRealTimeScheduling();
+
+}  // namespace roundabout::sim

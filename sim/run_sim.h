@@ -1,0 +1,18 @@
+#pragma once
+
+#include "common/app/app.h"
+
+namespace roundabout::sim {
+
+struct SimOptions {
+  static constexpr const char* kName = "sim";
+  static constexpr const char* kDescription =
+      "Simulates vehicles and motion capture: commands in, 200 Hz vehicle states out.";
+
+  void addOptions(CLI::App& /*app*/) {}
+};
+
+/// Runs until the mission has ended, sim.max_duration_s, SIGINT or SIGTERM.
+int runSim(const SimOptions& options, app::Context& context);
+
+}  // namespace roundabout::sim

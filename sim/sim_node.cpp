@@ -1,0 +1,117 @@
+#include "sim/sim_node.h"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "common/bus/messages.h"
+#include "common/bus/typed.h"
+
+namespace roundabout::sim {
+
+namespace {
+
+constexpr core::Utime kAfterEndUs = core::kMicrosPerSecond;
+
+std::vector<std::string> namesOf(const config::Experiment& experiment) {
+  std::vector<std::string> names;
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    names.push_back(vehicle.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime)
+    : experiment_(experiment),
+      first_utime_(first_utime),
+      next_utime_(first_utime),
+      world_(experiment, first_utime),
+      mocap_(experiment, world_.stepUs()),
+      publisher_(bus, namesOf(experiment)) {
+  mocap_.observe(world_.now(), world_.bodies());
+  const auto on_error = [this](const bus::DecodeError& error) {
+    rejections_.add(error.channel, error.reason);
+  };
+  for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+    bus::subscribe<roundabout_msgs::command_t>(
+        bus, bus::commandChannel(experiment.vehicles[i].name),
+        [this, i](const roundabout_msgs::command_t& message) { onCommand(i, message); }, on_error);
+  }
+  bus::subscribe<roundabout_msgs::fleet_status_t>(
+      bus, bus::kFleetStatusChannel,
+      [this](const roundabout_msgs::fleet_status_t& message) { onFleetStatus(message); }, on_error);
+}
+
+void SimNode::onCommand(std::size_t vehicle, const roundabout_msgs::command_t& message) {
+  const std::string& name = experiment_.vehicles[vehicle].name;
+  core::Command command;
+  const char* reason = message.vehicle == name ? bus::fromMessage(message, command)
+                                               : "names another vehicle than its channel";
+  if (reason == nullptr) {
+    reason = world_.accept(vehicle, command);
+  }
+  if (reason != nullptr) {
+    rejections_.add(bus::commandChannel(name), reason);
+  }
+}
+
+void SimNode::onFleetStatus(const roundabout_msgs::fleet_status_t& message) {
+  const bool ended = message.phase == roundabout_msgs::fleet_status_t::DONE ||
+                     message.phase == roundabout_msgs::fleet_status_t::FAILED;
+  if (ended && !end_utime_) {
+    end_utime_ = std::min(message.utime, next_utime_) + kAfterEndUs;
+  }
+}
+
+void SimNode::advance() {
+  while (world_.now() < next_utime_ + latencyUs()) {
+    world_.step();
+    mocap_.observe(world_.now(), world_.bodies());
+  }
+  logNewContacts();
+}
+
+core::Utime SimNode::publishFrame() {
+  publisher_.publish(exposeNext());
+  return publisher_.lastPublished().utime;
+}
+
+void SimNode::skipFrame() {
+  exposeNext();
+  ++skipped_frames_;
+}
+
+const core::StatesFrame& SimNode::exposeNext() {
+  const core::StatesFrame& frame = mocap_.expose(next_utime_);
+  next_utime_ += frameIntervalUs();
+  return frame;
+}
+
+void SimNode::logNewContacts() {
+  const auto contacts = world_.contacts().all();
+  for (; logged_contacts_ < contacts.size(); ++logged_contacts_) {
+    const Contact& contact = contacts[logged_contacts_];
+    spdlog::warn(
+        "{} and {} touch {:.2f} s after the first frame", experiment_.vehicles[contact.first].name,
+        experiment_.vehicles[contact.second].name, core::toSeconds(contact.begin - first_utime_));
+  }
+}
+
+bool SimNode::finished() const {
+  return core::toSeconds(next_utime_ - first_utime_) > experiment_.sim.max_duration_s ||
+         (end_utime_ && next_utime_ > *end_utime_);
+}
+
+SimNode::Report SimNode::report() const {
+  return {publisher_.counters().published,
+          skipped_frames_,
+          core::toSeconds(next_utime_ - first_utime_),
+          world_.contacts().all().size(),
+          core::toSeconds(world_.contacts().totalUs()),
+          world_.contacts().closestM(),
+          rejections_.total()};
+}
+
+}  // namespace roundabout::sim

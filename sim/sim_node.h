@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+
+#include "common/bus/bus.h"
+#include "common/config/experiment.h"
+#include "common/core/vehicle_state.h"
+#include "mocap_bridge/state_publisher.h"
+#include "roundabout_msgs/command_t.hpp"
+#include "roundabout_msgs/fleet_status_t.hpp"
+#include "sim/mocap_model.h"
+#include "sim/rejections.h"
+#include "sim/world.h"
+
+namespace roundabout::sim {
+
+/// The simulator on a bus: COMMAND_<vehicle> in, VEHICLE_STATES out. It does not wait for anything:
+/// when the next frame goes out is the pacing's business.
+class SimNode {
+ public:
+  struct Report {
+    std::int64_t frames;
+    std::int64_t skipped_frames;
+    double data_time_s;
+    std::size_t contacts;
+    double contact_s;
+    double closest_m;
+    int refused_commands;
+  };
+
+  /// Frame k has utime first_utime + k frame intervals. Throws core::StartupError as World.
+  SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime);
+
+  /// Advances the world to the time at which the next frame goes out. The commands that are handled
+  /// until the next call reach their vehicles at that time.
+  void advance();
+  /// Publishes the frame that the last advance() was for; returns its utime.
+  core::Utime publishFrame();
+  /// In place of publishFrame(): the frame is lost, its number too.
+  void skipFrame();
+
+  core::Utime nextFrameUtime() const { return next_utime_; }
+  core::Utime frameIntervalUs() const { return mocap_.frameIntervalUs(); }
+  core::Utime latencyUs() const { return mocap_.latencyUs(); }
+
+  /// True a second of data time after the fleet said that the mission is done or has failed, and
+  /// after sim.max_duration_s.
+  bool finished() const;
+
+  const World& world() const { return world_; }
+  const Rejections& rejections() const { return rejections_; }
+  Report report() const;
+
+ private:
+  void onCommand(std::size_t vehicle, const roundabout_msgs::command_t& message);
+  void onFleetStatus(const roundabout_msgs::fleet_status_t& message);
+  const core::StatesFrame& exposeNext();
+  void logNewContacts();
+
+  const config::Experiment experiment_;
+  const core::Utime first_utime_;
+  core::Utime next_utime_;
+  std::optional<core::Utime> end_utime_;
+  World world_;
+  MocapModel mocap_;
+  mocap_bridge::StatePublisher publisher_;
+  Rejections rejections_;
+  std::int64_t skipped_frames_ = 0;
+  std::size_t logged_contacts_ = 0;
+};
+
+}  // namespace roundabout::sim

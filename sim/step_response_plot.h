@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "common/config/experiment.h"
+
+namespace roundabout::sim {
+
+/// Measures steps of 1 m/s, 2 m and 90 degrees, draws them to `path`.svg and `path`.png with
+/// gnuplot and returns the figures as a Markdown table. Throws core::StartupError if gnuplot does
+/// not run or the files cannot be written.
+std::string drawStepResponses(const config::Sim& sim, const std::string& path);
+
+}  // namespace roundabout::sim

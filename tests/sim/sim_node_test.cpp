@@ -1,0 +1,223 @@
+#include "sim/sim_node.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/bus/memory_bus.h"
+#include "common/bus/messages.h"
+#include "common/bus/typed.h"
+#include "sim/lockstep_pacing.h"
+
+namespace roundabout::sim {
+namespace {
+
+using core::CommandMode;
+
+constexpr core::Utime kBegin = LockstepPacing::kFirstUtime;
+
+config::Experiment twoVehicles() {
+  config::Experiment experiment;
+  experiment.file = "demo.yaml";
+  experiment.vehicles.resize(2);
+  experiment.vehicles[0].name = "hex1";
+  experiment.vehicles[1].name = "hex2";
+  experiment.vehicles[0].start = config::Start{{-2.0, 0.0}, 0.0};
+  experiment.vehicles[1].start = config::Start{{2.0, 0.0}, 0.0};
+  return experiment;
+}
+
+std::vector<std::byte> commandPayload(const std::string& vehicle, CommandMode mode,
+                                      core::Utime utime, double speed_mps = 0.0) {
+  core::Command command;
+  command.vehicle = vehicle;
+  command.mode = mode;
+  command.utime = utime;
+  command.state_utime = utime;
+  command.velocity_world_mps.x() = speed_mps;
+  command.position_world_m = {-2.0, 0.0, 1.0};
+  command.valid_for_s = 0.3;
+  return bus::encode(bus::toMessage(command));
+}
+
+std::vector<std::byte> fleetPayload(core::Utime utime, std::int8_t phase) {
+  roundabout_msgs::fleet_status_t status{};
+  status.utime = utime;
+  status.phase = phase;
+  return bus::encode(status);
+}
+
+// A lab with one listener to VEHICLE_STATES.
+class SimNodeTest : public testing::Test {
+ protected:
+  SimNodeTest() { listen(); }
+
+  void listen() {
+    bus::subscribe<roundabout_msgs::vehicle_states_t>(
+        lab_, bus::kStatesChannel,
+        [this](const roundabout_msgs::vehicle_states_t& message) {
+          frames_.push_back(message);
+          payloads_.push_back(bus::encode(message));
+        },
+        [](const bus::DecodeError& error) { ADD_FAILURE() << error.reason; });
+  }
+
+  void frame() {
+    sim_.handle(std::chrono::milliseconds(0));
+    node_.advance();
+    node_.publishFrame();
+    lab_.handle(std::chrono::milliseconds(0));
+  }
+
+  /// Commands hex1 on every planner tick for so long.
+  void fly(CommandMode mode, double seconds, double speed_mps = 0.0) {
+    for (int k = 0; k < static_cast<int>(seconds * 200.0); ++k) {
+      frame();
+      if (frames_.back().utime % 100'000 == 0) {
+        lab_.publish("COMMAND_hex1", commandPayload("hex1", mode, frames_.back().utime, speed_mps));
+      }
+    }
+  }
+
+  int refused(const std::string& reason) {
+    sim_.handle(std::chrono::milliseconds(0));
+    return node_.rejections().count("COMMAND_hex1", reason);
+  }
+
+  std::shared_ptr<bus::MemoryNetwork> network_ = std::make_shared<bus::MemoryNetwork>();
+  bus::MemoryBus lab_{network_};
+  bus::MemoryBus sim_{network_};
+  SimNode node_{twoVehicles(), sim_, kBegin};
+  std::vector<roundabout_msgs::vehicle_states_t> frames_;
+  std::vector<std::vector<std::byte>> payloads_;
+};
+
+TEST_F(SimNodeTest, PublishesTheFrameGridWithEveryVehicle) {
+  for (int k = 0; k < 3; ++k) {
+    frame();
+  }
+  ASSERT_EQ(frames_.size(), 3U);
+  EXPECT_EQ(frames_[0].utime, kBegin);
+  EXPECT_EQ(frames_[2].utime, kBegin + 10'000);
+  EXPECT_EQ(frames_[2].frame_number, 2);
+  EXPECT_EQ(frames_[2].vehicles[1].name, "hex2");
+  EXPECT_EQ(frames_[2].vehicles[1].last_seen, frames_[2].utime);
+  EXPECT_NEAR(frames_[2].vehicles[1].position[0], 2.0, 0.01);
+}
+
+TEST_F(SimNodeTest, FliesAsCommanded) {
+  fly(CommandMode::kPosition, 6.0);
+  EXPECT_NEAR(frames_.back().vehicles[0].position[2], 1.0, 0.02);
+  fly(CommandMode::kVelocity, 3.0, 0.5);
+  EXPECT_NEAR(frames_.back().vehicles[0].velocity[0], 0.5, 0.06);
+  fly(CommandMode::kLand, 8.0);
+  EXPECT_NEAR(frames_.back().vehicles[0].position[2], 0.0, 0.01);
+  EXPECT_NEAR(frames_.back().vehicles[1].position[2], 0.0, 0.01);
+  EXPECT_EQ(node_.rejections().total(), 0);
+}
+
+TEST_F(SimNodeTest, AVehicleWithoutCommandsHoldsThenLands) {
+  fly(CommandMode::kPosition, 6.0);
+  for (int k = 0; k < 180; ++k) {
+    frame();
+  }
+  EXPECT_NEAR(frames_.back().vehicles[0].position[2], 1.0, 0.02);
+  for (int k = 0; k < 1000; ++k) {
+    frame();
+  }
+  EXPECT_NEAR(frames_.back().vehicles[0].position[2], 0.0, 0.01);
+  EXPECT_FALSE(node_.world().bodies()[0].motors_on);
+}
+
+TEST_F(SimNodeTest, SendsByteIdenticalFramesForTheSameSeed) {
+  fly(CommandMode::kPosition, 3.0);
+  const auto first = payloads_;
+
+  bus::MemoryBus again(network_);
+  SimNode twin(twoVehicles(), again, kBegin);
+  payloads_.clear();
+  frames_.clear();
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    again.handle(std::chrono::milliseconds(0));
+    twin.advance();
+    const core::Utime utime = twin.publishFrame();
+    lab_.handle(std::chrono::milliseconds(0));
+    if (utime % 100'000 == 0) {
+      lab_.publish("COMMAND_hex1", commandPayload("hex1", CommandMode::kPosition, utime));
+    }
+  }
+  EXPECT_EQ(payloads_, first);
+}
+
+TEST_F(SimNodeTest, RefusesWhatIsNotACommand) {
+  const std::vector<std::byte> garbage(200, std::byte{0xa5});
+  lab_.publish("COMMAND_hex1", garbage);
+  lab_.publish("COMMAND_hex1", garbage);
+  EXPECT_EQ(refused("wrong fingerprint"), 2);
+  EXPECT_EQ(node_.report().refused_commands, 2);
+}
+
+TEST_F(SimNodeTest, RefusesNumbersThatAreNotFinite) {
+  frame();
+  lab_.publish("COMMAND_hex1", commandPayload("hex1", CommandMode::kVelocity, kBegin,
+                                              std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_EQ(refused("not a finite number"), 1);
+}
+
+TEST_F(SimNodeTest, RefusesAnotherVehiclesName) {
+  lab_.publish("COMMAND_hex1", commandPayload("hex2", CommandMode::kHold, kBegin));
+  EXPECT_EQ(refused("names another vehicle than its channel"), 1);
+}
+
+TEST_F(SimNodeTest, RefusesOldCommands) {
+  frame();
+  frame();
+  lab_.publish("COMMAND_hex1", commandPayload("hex1", CommandMode::kHold, kBegin + 5000));
+  lab_.publish("COMMAND_hex1", commandPayload("hex1", CommandMode::kHold, kBegin));
+  EXPECT_EQ(refused("older than the command before"), 1);
+}
+
+TEST_F(SimNodeTest, EndsASecondAfterTheMissionIsDone) {
+  frame();
+  lab_.publish("FLEET_STATUS", fleetPayload(kBegin, roundabout_msgs::fleet_status_t::DONE));
+  while (!node_.finished()) {
+    frame();
+    ASSERT_LT(frames_.size(), 1000U);
+  }
+  EXPECT_EQ(frames_.back().utime, kBegin + core::kMicrosPerSecond);
+}
+
+TEST_F(SimNodeTest, DoesNotEndWhileTheMissionGoesOn) {
+  lab_.publish("FLEET_STATUS", fleetPayload(0, roundabout_msgs::fleet_status_t::WAITING));
+  for (int k = 0; k < 500; ++k) {
+    frame();
+  }
+  EXPECT_FALSE(node_.finished());
+}
+
+TEST_F(SimNodeTest, ASkippedFrameIsAGapInTheNumbersButNotInTheWorld) {
+  frame();
+  node_.advance();
+  node_.skipFrame();
+  frame();
+  ASSERT_EQ(frames_.size(), 2U);
+  EXPECT_EQ(frames_[1].frame_number, 2);
+  EXPECT_EQ(frames_[1].utime, kBegin + 10'000);
+  EXPECT_EQ(node_.report().skipped_frames, 1);
+}
+
+TEST(SimNodeDuration, EndsAtItsLongestDuration) {
+  config::Experiment experiment = twoVehicles();
+  experiment.sim.max_duration_s = 0.1;
+  bus::MemoryBus bus(std::make_shared<bus::MemoryNetwork>());
+  SimNode node(experiment, bus, kBegin);
+  while (!node.finished()) {
+    node.advance();
+    node.publishFrame();
+  }
+  EXPECT_EQ(node.report().frames, 21);
+}
+
+}  // namespace
+}  // namespace roundabout::sim
