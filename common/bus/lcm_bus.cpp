@@ -26,7 +26,7 @@ constexpr int kQueueCapacity = 1000;
 // LCM prints a page and returns an unusable object when there is no multicast route: find out
 // before it does.
 void checkMulticastRoute(const std::string& url) {
-  static const std::regex kUdpm(R"(udpm://(?:([0-9.]+)(?::([0-9]+))?)?(?:\?.*)?)");
+  static const std::regex kUdpm(R"(udpm://(?:([0-9.]+)(?::([0-9]{1,5}))?)?(?:\?.*)?)");
   std::smatch match;
   if (!std::regex_match(url, match, kUdpm)) {
     throw core::StartupError("lcm_url", url, "udpm://ADDRESS:PORT?ttl=N", "something else");

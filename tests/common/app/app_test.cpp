@@ -13,6 +13,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/core/error.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::app {
 namespace {
@@ -57,7 +58,8 @@ class RunProgram : public testing::Test {
     return {status, GetCapturedStdout(), GetCapturedStderr()};
   }
 
-  std::string config_ = testing::TempDir() + "app_test.yaml";
+  test::ScratchFolder folder_;
+  std::string config_ = folder_ / "lab.yaml";
 };
 
 int mustNotRun(const ProbeOptions&, Context&) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/config/experiment_file.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::config {
 namespace {
@@ -132,12 +133,13 @@ TEST(Weights, InAnOverrideAreMeantFromTheCurrentFolder) {
 }
 
 TEST(ReadExperiment, ReadsAFile) {
-  const std::string path = testing::TempDir() + "read_experiment_test.yaml";
+  const test::ScratchFolder folder;
+  const std::string path = folder / "lab.yaml";
   std::ofstream(path) << kTwoVehicles;
   const Experiment read = readExperiment(path, {"vehicles.0.name=ugv"});
   EXPECT_EQ(read.vehicles[0].name, "ugv");
   EXPECT_EQ(read.file, path);
-  EXPECT_EQ(read.name, "read_experiment_test");
+  EXPECT_EQ(read.name, "lab");
 }
 
 class ShippedExperiment : public testing::TestWithParam<std::filesystem::path> {};

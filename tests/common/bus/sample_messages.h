@@ -1,0 +1,122 @@
+#pragma once
+
+// One valid message of every type, with an element in every list.
+
+#include <string>
+
+#include "roundabout_msgs/command_t.hpp"
+#include "roundabout_msgs/fleet_status_t.hpp"
+#include "roundabout_msgs/goal_t.hpp"
+#include "roundabout_msgs/mission_t.hpp"
+#include "roundabout_msgs/planner_status_t.hpp"
+#include "roundabout_msgs/safety_order_t.hpp"
+#include "roundabout_msgs/vehicle_states_t.hpp"
+
+namespace roundabout::bus {
+
+template <class Message>
+Message sample();
+
+template <>
+inline roundabout_msgs::vehicle_states_t sample() {
+  roundabout_msgs::vehicle_states_t message{};
+  message.utime = 1'005'000;
+  message.frame_number = 1;
+  message.num_vehicles = 2;
+  message.vehicles.resize(2);
+  for (int i = 0; i < 2; ++i) {
+    roundabout_msgs::vehicle_state_t& state = message.vehicles[static_cast<std::size_t>(i)];
+    state = {};
+    state.name = "hex" + std::to_string(i + 1);
+    state.position[0] = 1.5 + i;
+    state.position[2] = 1.0;
+    state.velocity[1] = -0.5;
+    state.orientation[0] = 0.6;
+    state.orientation[3] = 0.8;
+    state.angular_velocity[2] = 0.25;
+    state.tracked = 1;
+    state.last_seen = 1'005'000;
+  }
+  return message;
+}
+
+template <>
+inline roundabout_msgs::command_t sample() {
+  roundabout_msgs::command_t message{};
+  message.utime = 2;
+  message.state_utime = 1;
+  message.vehicle = "hex1";
+  message.mode = roundabout_msgs::command_t::POSITION;
+  message.velocity[0] = 0.5;
+  message.position[2] = 1.0;
+  message.heading = -1.5;
+  message.heading_rate = 0.25;
+  message.valid_for = 0.3;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::goal_t sample() {
+  roundabout_msgs::goal_t message{};
+  message.utime = 3;
+  message.vehicle = "hex1";
+  message.goal_id = 1000;
+  message.position[1] = 2.0;
+  message.heading = 0.5;
+  message.phase = roundabout_msgs::goal_t::GO;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::safety_order_t sample() {
+  roundabout_msgs::safety_order_t message{};
+  message.utime = 4;
+  message.vehicle = "hex1";
+  message.order = roundabout_msgs::safety_order_t::LAND;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::mission_t sample() {
+  roundabout_msgs::mission_t message{};
+  message.utime = 5;
+  message.num_points = 2;
+  message.points = {{1.0, 2.0, 1.0}, {3.0, 4.0, 1.0}};
+  message.mission_id = 1'000'000;
+  message.verb = "formation";
+  message.text = "pair";
+  message.seconds = 1.0;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::planner_status_t sample() {
+  roundabout_msgs::planner_status_t message{};
+  message.utime = 6;
+  message.num_actions = 3;
+  message.action_probabilities = {0.25F, 0.5F, 0.25F};
+  message.vehicle = "hex1";
+  message.policy = "orca";
+  message.mode = roundabout_msgs::planner_status_t::FLYING;
+  message.reason = "all well";
+  message.goal_id = 1000;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::fleet_status_t sample() {
+  roundabout_msgs::fleet_status_t message{};
+  message.utime = 7;
+  message.num_vehicles = 1;
+  message.num_refusals = 2;
+  message.vehicles.resize(1);
+  message.vehicles[0] = {};
+  message.vehicles[0].vehicle = "hex1";
+  message.refusals = {"too close", "too many"};
+  message.phase = roundabout_msgs::fleet_status_t::GO;
+  message.formation = "C";
+  message.reason = "hex1 is on its way";
+  return message;
+}
+
+}  // namespace roundabout::bus
