@@ -12,7 +12,8 @@ namespace roundabout::planner {
 
 int runPlanner(const PlannerOptions& options, app::Context& context) {
   const config::Experiment& experiment = context.experiment;
-  auto policy = makePolicy(experiment.planner.policy, {"", experiment.planner.orca});
+  auto policy =
+      makePolicy(experiment.planner.policy, {"", experiment.planner.orca, experiment.file});
   spdlog::info("{} flies {} on {}", policy->name(), options.vehicle, context.lcm_url);
 
   bus::LcmBus bus(context.lcm_url);
