@@ -148,8 +148,10 @@ void PlannerNode::onWallClock(WallTime now) {
 }
 
 void PlannerNode::publish(const PlannerCore::Tick& tick, double compute_time_s) {
-  bus::publish(bus_, bus::commandChannel(core_.vehicle().name), bus::toMessage(tick.command));
+  // The status goes first: who has the command (a simulator in lockstep) may be sure that the
+  // status is out too.
   publishStatus(tick.status, compute_time_s);
+  bus::publish(bus_, bus::commandChannel(core_.vehicle().name), bus::toMessage(tick.command));
 }
 
 void PlannerNode::publishStatus(const Status& status, double compute_time_s) {

@@ -1,0 +1,541 @@
+#include "fleet/coordinator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/core/error.h"
+#include "fleet/assignment.h"
+#include "fleet/goal_check.h"
+
+namespace roundabout::fleet {
+
+namespace {
+
+constexpr std::int64_t kIdsPerStep = 1000;
+constexpr std::int64_t kFirstLiveId = 1'000'000;
+constexpr double kPlannerSilent_s = 1.0;
+constexpr std::size_t kRefusalsKept = 10;
+// More than a planner can send between two ticks, even after the fleet was away for a while.
+constexpr std::size_t kReportsKept = 100;
+constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
+
+bool needsAir(Verb verb) {
+  return verb == Verb::kFormation || verb == Verb::kGoTo || verb == Verb::kHold;
+}
+
+}  // namespace
+
+Coordinator::Coordinator(const config::Experiment& experiment)
+    : experiment_(experiment),
+      reader_(experiment),
+      file_steps_(reader_.readFile()),
+      members_(experiment.vehicles.size()),
+      planners_(experiment.vehicles.size()),
+      pending_reports_(experiment.vehicles.size()) {
+  const bool somebody_flies =
+      std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(), config::flies);
+  const auto first_in_air =
+      std::find_if(file_steps_.begin(), file_steps_.end(),
+                   [](const Step& candidate) { return needsAir(candidate.verb); });
+  const auto take_off = std::find_if(file_steps_.begin(), first_in_air, [](const Step& candidate) {
+    return candidate.verb == Verb::kTakeOff;
+  });
+  if (somebody_flies && first_in_air != file_steps_.end() && take_off == first_in_air) {
+    throw core::StartupError(experiment.file, "mission", "take_off before anything in the air",
+                             "none");
+  }
+}
+
+void Coordinator::onPlanner(std::size_t vehicle, const PlannerReport& report) {
+  std::deque<PlannerReport>& pending = pending_reports_[vehicle];
+  pending.push_back(report);
+  if (pending.size() > kReportsKept) {
+    pending.pop_front();
+  }
+}
+
+void Coordinator::applyReports(core::Utime now) {
+  for (std::size_t i = 0; i < planners_.size(); ++i) {
+    std::deque<PlannerReport>& pending = pending_reports_[i];
+    while (!pending.empty() && pending.front().utime < now) {
+      planners_[i] = pending.front();
+      pending.pop_front();
+    }
+  }
+}
+
+void Coordinator::applyFrame(const core::StatesFrame& frame) {
+  for (const core::VehicleState& state : frame.vehicles) {
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (state.tracked && experiment_.vehicles[i].name == state.name) {
+        members_[i].state = state;
+        members_[i].seen = true;
+      }
+    }
+  }
+}
+
+void Coordinator::onMission(std::int64_t mission_id, const config::MissionStep& asked) {
+  StepsOrRefusal steps = reader_.read(asked);
+  if (const auto* refusal = std::get_if<std::string>(&steps)) {
+    refuse(mission_id, *refusal);
+    return;
+  }
+  if (phase_ == Phase::kWaiting) {
+    refuse(mission_id, "not every planner and vehicle is there yet");
+    return;
+  }
+  if (!failure_.empty() && phase_ == Phase::kLand) {
+    refuse(mission_id, "landing after: " + failure_);
+    return;
+  }
+  auto& expanded = std::get<std::vector<Step>>(steps);
+  const Verb verb = expanded.front().verb;
+  const bool at_once = verb == Verb::kHold || verb == Verb::kLand;
+  if (at_once) {
+    queue_.clear();
+    file_finished_ = true;
+  }
+  queue_.insert(queue_.end(), expanded.begin(), expanded.end());
+  if (at_once || phase_ == Phase::kIdle || phase_ == Phase::kDone || phase_ == Phase::kFailed) {
+    failure_.clear();
+    next(last_tick_);
+  }
+}
+
+void Coordinator::refuse(std::int64_t mission_id, const std::string& reason) {
+  refusals_.push_back(fmt::format("mission {}: {}", mission_id, reason));
+  if (refusals_.size() > kRefusalsKept) {
+    refusals_.pop_front();
+  }
+}
+
+Coordinator::Output Coordinator::tick(const core::StatesFrame& frame) {
+  outbox_.clear();
+  tick_seconds_ = last_tick_ > 0 ? core::toSeconds(frame.utime - last_tick_) : 0.0;
+  last_tick_ = frame.utime;
+  applyFrame(frame);
+  applyReports(frame.utime);
+  if (phase_ == Phase::kWaiting) {
+    if (everybodyIsThere()) {
+      start(frame.utime);
+    }
+  } else {
+    advance(frame.utime);
+  }
+  repeatGoals(frame.utime);
+  return {outbox_, status(frame.utime)};
+}
+
+bool Coordinator::everybodyIsThere() const {
+  return std::all_of(members_.begin(), members_.end(),
+                     [](const Member& member) { return member.seen; }) &&
+         std::all_of(planners_.begin(), planners_.end(),
+                     [](const PlannerReport& planner) { return planner.utime > 0; });
+}
+
+void Coordinator::start(core::Utime now) {
+  std::int64_t known_id = 0;
+  for (const PlannerReport& planner : planners_) {
+    known_id = std::max(known_id, planner.goal_id);
+  }
+  if (known_id >= kFirstLiveId) {
+    // A flight by messages is under way: its goals stand, and nobody remembers what was queued.
+    live_count_ = (known_id - kFirstLiveId) / kIdsPerStep + 1;
+    file_finished_ = true;
+    phase_ = Phase::kIdle;
+    return;
+  }
+  const auto known_step = static_cast<std::size_t>(known_id / kIdsPerStep);
+  if (known_step > 0 && known_step <= file_steps_.size()) {
+    index_ = known_step - 1;
+  }
+  if (file_steps_.empty()) {
+    file_finished_ = true;
+    phase_ = Phase::kIdle;
+  } else {
+    begin(now);
+  }
+}
+
+void Coordinator::next(core::Utime now) {
+  if (!file_finished_ && !live_) {
+    ++index_;
+    file_finished_ = index_ >= file_steps_.size();
+    if (!file_finished_) {
+      begin(now);
+      return;
+    }
+  }
+  if (!queue_.empty()) {
+    live_ = true;
+    live_step_ = queue_.front();
+    queue_.pop_front();
+    ++live_count_;
+    begin(now);
+    return;
+  }
+  const bool flew_the_file = !live_ && !file_steps_.empty();
+  phase_ = flew_the_file && allOnFloor() ? Phase::kDone : Phase::kIdle;
+}
+
+std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const {
+  if (needsAir(candidate.verb) && allOnFloor()) {
+    return "all vehicles are on the floor: take off first";
+  }
+  if (candidate.verb == Verb::kGoTo) {
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (i == candidate.vehicle) {
+        continue;
+      }
+      const Eigen::Vector3d place = members_[i].goal ? members_[i].goal->position_world_m
+                                                     : members_[i].state.position_world_m;
+      const double distance_m = (place - candidate.points_m[0]).head<2>().norm();
+      if (distance_m < goalSpacingM(experiment_)) {
+        return fmt::format("the point is {:.2f} m from {}'s goal and must be {:.2f} m", distance_m,
+                           experiment_.vehicles[i].name, goalSpacingM(experiment_));
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+void Coordinator::begin(core::Utime now) {
+  step_seconds_ = 0.0;
+  formed_seconds_ = 0.0;
+  if (live_) {
+    if (auto refusal = cannotBegin(step())) {
+      refuse(live_count_, *refusal);
+      next(now);
+      return;
+    }
+  }
+  switch (step().verb) {
+    case Verb::kTakeOff:
+      phase_ = Phase::kTakeOff;
+      sendAllUp(now);
+      break;
+    case Verb::kFormation:
+      phase_ = Phase::kGo;
+      sendToFormation(now);
+      break;
+    case Verb::kGoTo:
+      phase_ = Phase::kGo;
+      setGoal(now, step().vehicle, core::GoalPhase::kGo, step().points_m[0]);
+      break;
+    case Verb::kHold:
+      phase_ = Phase::kHold;
+      stay(now);
+      break;
+    case Verb::kWait:
+      phase_ = Phase::kHold;
+      break;
+    case Verb::kLand:
+      phase_ = Phase::kLand;
+      sendAllDown(now);
+      break;
+  }
+}
+
+void Coordinator::sendAllUp(core::Utime now) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    Eigen::Vector3d above = members_[i].state.position_world_m;
+    above.z() = experiment_.vehicles[i].height_m;
+    setGoal(now, i, core::GoalPhase::kTakeOff, above);
+  }
+}
+
+void Coordinator::sendToFormation(core::Utime now) {
+  const std::vector<Eigen::Vector3d>& points_m = step().points_m;
+  Assignment assignment;
+  if (experiment_.fleet.assignment == "optimal") {
+    std::vector<Eigen::Vector3d> places_m;
+    for (const Member& member : members_) {
+      places_m.push_back(member.state.position_world_m);
+    }
+    assignment = assignOptimally(places_m, points_m);
+  } else if (experiment_.fleet.assignment == "in_order") {
+    assignment = assignInOrder(members_.size(), points_m.size());
+  } else {
+    const std::int64_t number =
+        live_ ? kFirstLiveId + live_count_ : static_cast<std::int64_t>(index_);
+    assignment = assignAtRandom(members_.size(), points_m.size(), experiment_.seed,
+                                fmt::format("assignment/{}", number));
+  }
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    // Who gets no point stays where it is.
+    setGoal(now, i, core::GoalPhase::kGo,
+            assignment[i] == kUnassigned ? members_[i].state.position_world_m
+                                         : points_m[assignment[i]]);
+  }
+}
+
+void Coordinator::stay(core::Utime now) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    setGoal(now, i, core::GoalPhase::kGo, members_[i].state.position_world_m);
+  }
+}
+
+void Coordinator::sendAllDown(core::Utime now) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    setGoal(now, i, core::GoalPhase::kLand, members_[i].state.position_world_m);
+  }
+}
+
+std::int64_t Coordinator::goalId(std::size_t vehicle) const {
+  const std::int64_t base = live_ ? kFirstLiveId + live_count_ * kIdsPerStep
+                                  : (static_cast<std::int64_t>(index_) + 1) * kIdsPerStep;
+  return base + static_cast<std::int64_t>(vehicle);
+}
+
+void Coordinator::setGoal(core::Utime now, std::size_t vehicle, core::GoalPhase phase,
+                          const Eigen::Vector3d& position_m) {
+  core::Goal goal;
+  goal.utime = now;
+  goal.vehicle = experiment_.vehicles[vehicle].name;
+  goal.goal_id = goalId(vehicle);
+  goal.position_world_m = position_m;
+  goal.heading_world_rad = std::numeric_limits<double>::quiet_NaN();
+  goal.phase = phase;
+  members_[vehicle].goal = goal;
+  members_[vehicle].goal_sent = now;
+  outbox_.push_back(goal);
+}
+
+void Coordinator::repeatGoals(core::Utime now) {
+  for (Member& member : members_) {
+    if (member.goal && core::toSeconds(now - member.goal_sent) >= experiment_.fleet.goal_repeat_s) {
+      outbox_.push_back(*member.goal);
+      member.goal_sent = now;
+    }
+  }
+}
+
+bool Coordinator::alive(std::size_t vehicle, core::Utime now) const {
+  const PlannerReport& planner = planners_[vehicle];
+  return planner.utime > 0 && core::toSeconds(now - planner.utime) <= kPlannerSilent_s;
+}
+
+bool Coordinator::holding(std::size_t vehicle) const {
+  return planners_[vehicle].mode == PlannerMode::kHolding;
+}
+
+bool Coordinator::onFloor(std::size_t vehicle) const {
+  const double height_m = members_[vehicle].state.position_world_m.z() - experiment_.room.min_m.z();
+  const PlannerMode mode = planners_[vehicle].mode;
+  return config::flies(experiment_.vehicles[vehicle])
+             ? height_m <= experiment_.safety.airborne_height_m
+             : mode == PlannerMode::kLanded || mode == PlannerMode::kKilled;
+}
+
+bool Coordinator::allOnFloor() const {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (!onFloor(i)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool Coordinator::out(std::size_t vehicle, core::Utime now) const {
+  if (!alive(vehicle, now)) {
+    return true;
+  }
+  const Member& member = members_[vehicle];
+  const PlannerReport& planner = planners_[vehicle];
+  if (!member.goal || planner.goal_id != member.goal->goal_id) {
+    return planner.mode == PlannerMode::kKilled;
+  }
+  const bool comes_down =
+      planner.mode == PlannerMode::kLanding || planner.mode == PlannerMode::kLanded;
+  switch (member.goal->phase) {
+    case core::GoalPhase::kLand:
+      return planner.mode == PlannerMode::kKilled;
+    case core::GoalPhase::kTakeOff:
+      return comes_down || planner.mode == PlannerMode::kKilled;
+    case core::GoalPhase::kGo:
+      break;
+  }
+  return comes_down || planner.mode == PlannerMode::kKilled || onFloor(vehicle);
+}
+
+double Coordinator::distanceToGoal(std::size_t vehicle) const {
+  const Member& member = members_[vehicle];
+  if (!member.goal || !member.seen) {
+    return kNoDistance;
+  }
+  const Eigen::Vector3d way = member.goal->position_world_m - member.state.position_world_m;
+  return config::flies(experiment_.vehicles[vehicle]) ? way.norm() : way.head<2>().norm();
+}
+
+bool Coordinator::atGoal(std::size_t vehicle) const {
+  return distanceToGoal(vehicle) <= experiment_.fleet.at_goal_distance_m &&
+         members_[vehicle].state.velocity_world_mps.norm() <= experiment_.fleet.at_goal_speed_mps;
+}
+
+bool Coordinator::complete(core::Utime now) const {
+  const Step& current = step();
+  if (current.verb == Verb::kHold || current.verb == Verb::kWait) {
+    return step_seconds_ >= current.seconds;
+  }
+  if (current.verb == Verb::kGoTo) {
+    return out(current.vehicle, now) || atGoal(current.vehicle);
+  }
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const bool there = current.verb == Verb::kLand ? onFloor(i) : atGoal(i);
+    if (!there && !out(i, now)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void Coordinator::advance(core::Utime now) {
+  if (phase_ == Phase::kIdle || phase_ == Phase::kDone || phase_ == Phase::kFailed) {
+    return;
+  }
+  bool somebody_holds = false;
+  bool everybody_out = true;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const bool is_out = out(i, now);
+    everybody_out = everybody_out && is_out;
+    somebody_holds = somebody_holds || (!is_out && holding(i));
+  }
+  if (!somebody_holds) {
+    step_seconds_ += tick_seconds_;
+  }
+  if (!failure_.empty()) {
+    if (allOnFloor() || everybody_out || step_seconds_ > experiment_.fleet.step_timeout_s) {
+      phase_ = Phase::kFailed;
+    }
+    return;
+  }
+  if (everybody_out && step().verb != Verb::kLand) {
+    fail(now, "no vehicle is left: " + whoIsOut(now));
+    return;
+  }
+  checkStep(now);
+}
+
+void Coordinator::checkStep(core::Utime now) {
+  const Step& current = step();
+  if (current.verb == Verb::kFormation && phase_ == Phase::kHold) {
+    formed_seconds_ += tick_seconds_;
+    if (formed_seconds_ >= current.seconds) {
+      next(now);
+    }
+    return;
+  }
+  if (complete(now)) {
+    if (current.verb == Verb::kFormation) {
+      phase_ = Phase::kHold;
+    } else {
+      next(now);
+    }
+    return;
+  }
+  const bool timed = current.verb != Verb::kHold && current.verb != Verb::kWait;
+  if (timed && step_seconds_ > experiment_.fleet.step_timeout_s) {
+    fail(now, fmt::format("{} was not complete after {:.0f} s: {}",
+                          current.name.empty() ? "the step" : "\"" + current.name + "\"",
+                          experiment_.fleet.step_timeout_s, whoIsMissing()));
+  }
+}
+
+void Coordinator::fail(core::Utime now, const std::string& reason) {
+  failure_ = reason;
+  queue_.clear();
+  step_seconds_ = 0.0;
+  phase_ = Phase::kLand;
+  sendAllDown(now);
+}
+
+std::string Coordinator::whoIsOut(core::Utime now) const {
+  std::string text;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (out(i, now)) {
+      text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", experiment_.vehicles[i].name,
+                          alive(i, now) ? "came down" : "planner silent");
+    }
+  }
+  return text;
+}
+
+std::string Coordinator::whoIsMissing() const {
+  std::string text;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (!atGoal(i)) {
+      text += fmt::format("{}{} is {:.2f} m from its goal", text.empty() ? "" : ", ",
+                          experiment_.vehicles[i].name, distanceToGoal(i));
+    }
+  }
+  return text;
+}
+
+FleetStatus Coordinator::status(core::Utime now) const {
+  FleetStatus status;
+  status.utime = now;
+  status.phase = phase_;
+  status.num_steps = static_cast<int>(file_steps_.size());
+  const bool stepping = phase_ == Phase::kTakeOff || phase_ == Phase::kGo ||
+                        phase_ == Phase::kHold || phase_ == Phase::kLand;
+  if (stepping && failure_.empty()) {
+    status.formation = step().name;
+  }
+  if (phase_ != Phase::kWaiting) {
+    status.step = static_cast<int>(index_);
+  }
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    Progress progress;
+    progress.goal = members_[i].goal;
+    progress.distance_m = distanceToGoal(i);
+    progress.at_goal = atGoal(i);
+    progress.planner_alive = alive(i, now);
+    progress.planner_mode = planners_[i].mode;
+    status.vehicles_at_goal += progress.at_goal ? 1 : 0;
+    status.vehicles.push_back(progress);
+  }
+  status.refusals.assign(refusals_.begin(), refusals_.end());
+  if (phase_ == Phase::kWaiting) {
+    status.reason = waitingStatus().reason;
+    return status;
+  }
+  status.reason = failure_;
+  if (failure_.empty() && stepping) {
+    const std::string absent = whoIsOut(now);
+    status.reason = absent.empty() ? "" : "out: " + absent;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (holding(i) && !out(i, now)) {
+        status.reason += fmt::format("{}{} holds", status.reason.empty() ? "" : "; ",
+                                     experiment_.vehicles[i].name);
+      }
+    }
+  }
+  return status;
+}
+
+FleetStatus Coordinator::waitingStatus() const {
+  FleetStatus status;
+  status.num_steps = static_cast<int>(file_steps_.size());
+  std::string missing;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    Progress progress;
+    progress.distance_m = kNoDistance;
+    progress.planner_alive = planners_[i].utime > 0 || !pending_reports_[i].empty();
+    progress.planner_mode = planners_[i].mode;
+    status.vehicles.push_back(progress);
+    const char* what = !progress.planner_alive ? "'s planner"
+                       : !members_[i].seen     ? "'s state"
+                                               : nullptr;
+    if (what != nullptr) {
+      missing += (missing.empty() ? "" : ", ") + experiment_.vehicles[i].name + what;
+    }
+  }
+  status.reason = missing.empty() ? "" : "waits for " + missing;
+  return status;
+}
+
+}  // namespace roundabout::fleet

@@ -1,0 +1,170 @@
+#include "fleet/fleet_node.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <spdlog/spdlog.h>
+
+#include "common/bus/messages.h"
+#include "common/bus/typed.h"
+#include "roundabout_msgs/fleet_status_t.hpp"
+
+namespace roundabout::fleet {
+
+namespace {
+
+constexpr std::array<const char*, 8> kPhaseNames{"waiting", "idle",    "taking off", "going",
+                                                 "formed",  "landing", "done",       "failed"};
+
+roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
+                                          const config::Experiment& experiment) {
+  roundabout_msgs::fleet_status_t message;
+  message.utime = status.utime;
+  message.num_vehicles = static_cast<std::int32_t>(status.vehicles.size());
+  for (std::size_t i = 0; i < status.vehicles.size(); ++i) {
+    const Progress& progress = status.vehicles[i];
+    roundabout_msgs::vehicle_progress_t out;
+    out.vehicle = experiment.vehicles[i].name;
+    out.goal_id = progress.goal ? progress.goal->goal_id : 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      out.goal[axis] = progress.goal ? progress.goal->position_world_m[axis]
+                                     : std::numeric_limits<double>::quiet_NaN();
+    }
+    out.distance = progress.distance_m;
+    out.at_goal = progress.at_goal ? 1 : 0;
+    out.planner_alive = progress.planner_alive ? 1 : 0;
+    out.planner_mode = static_cast<std::int8_t>(progress.planner_mode);
+    message.vehicles.push_back(out);
+  }
+  message.num_refusals = static_cast<std::int32_t>(status.refusals.size());
+  message.refusals = status.refusals;
+  message.phase = static_cast<std::int8_t>(status.phase);
+  message.formation = status.formation;
+  message.step = status.step;
+  message.num_steps = status.num_steps;
+  message.vehicles_at_goal = status.vehicles_at_goal;
+  message.reason = status.reason;
+  return message;
+}
+
+}  // namespace
+
+FleetNode::FleetNode(const config::Experiment& experiment, bus::Bus& bus)
+    : experiment_(experiment),
+      bus_(bus),
+      coordinator_(experiment),
+      timer_(experiment.fleet.rate_hz),
+      last_report_(experiment.vehicles.size(), 0) {
+  const auto on_error = [this](const bus::DecodeError& error) {
+    reject(error.channel, error.reason);
+  };
+  bus::subscribe<roundabout_msgs::vehicle_states_t>(
+      bus_, bus::kStatesChannel,
+      [this](const roundabout_msgs::vehicle_states_t& message) { onStates(message); }, on_error);
+  bus::subscribe<roundabout_msgs::mission_t>(
+      bus_, bus::kMissionChannel,
+      [this](const roundabout_msgs::mission_t& message) { onMission(message); }, on_error);
+  for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+    bus::subscribe<roundabout_msgs::planner_status_t>(
+        bus_, bus::plannerStatusChannel(experiment.vehicles[i].name),
+        [this, i](const roundabout_msgs::planner_status_t& message) {
+          onPlannerStatus(i, message);
+        },
+        on_error);
+  }
+}
+
+void FleetNode::reject(std::string_view channel, const std::string& reason) {
+  ++rejected_;
+  const auto known = rejected_on_.find(channel);
+  if (known == rejected_on_.end()) {
+    rejected_on_.emplace(channel, 1);
+    spdlog::warn("a message on {} was rejected: {}; further ones are only counted", channel,
+                 reason);
+  } else {
+    ++known->second;
+  }
+}
+
+void FleetNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
+  if (bus::fromMessage(message, frame_) > 0) {
+    reject(bus::kStatesChannel, "a vehicle's state is not finite or its orientation not unit");
+  }
+  constexpr core::Utime kFarAhead = 10 * core::kMicrosPerSecond;
+  const bool corrupt = last_frame_ > 0 && frame_.utime - last_frame_ > kFarAhead;
+  if (frame_.utime <= last_frame_ || corrupt) {
+    reject(bus::kStatesChannel,
+           corrupt ? "far ahead of the last one" : "not newer than the last one");
+    return;
+  }
+  last_frame_ = frame_.utime;
+  if (!timer_.due(frame_.utime)) {
+    return;
+  }
+  const Coordinator::Output output = coordinator_.tick(frame_);
+  for (const core::Goal& goal : output.goals) {
+    bus::publish(bus_, bus::goalChannel(goal.vehicle), bus::toMessage(goal));
+  }
+  publishStatus(output.status);
+}
+
+void FleetNode::onPlannerStatus(std::size_t vehicle,
+                                const roundabout_msgs::planner_status_t& message) {
+  const std::string& name = experiment_.vehicles[vehicle].name;
+  if (message.vehicle != name || message.mode < roundabout_msgs::planner_status_t::WAITING ||
+      message.mode > roundabout_msgs::planner_status_t::KILLED || message.utime < 0) {
+    reject(bus::plannerStatusChannel(name), "of another vehicle, or an unknown mode");
+    return;
+  }
+  // utime 0: it has just started and has no states yet.
+  if (message.utime > 0 && message.utime < last_report_[vehicle]) {
+    reject(bus::plannerStatusChannel(name), "older than the last one");
+    return;
+  }
+  last_report_[vehicle] = message.utime;
+  coordinator_.onPlanner(vehicle,
+                         {message.utime, static_cast<PlannerMode>(message.mode), message.goal_id});
+}
+
+void FleetNode::onMission(const roundabout_msgs::mission_t& message) {
+  config::MissionStep asked;
+  asked.verb = message.verb;
+  asked.text = message.text;
+  asked.vehicle = message.vehicle;
+  asked.seconds = std::isnan(message.seconds) ? -1.0 : message.seconds;
+  for (const auto& point : message.points) {
+    asked.points_m.emplace_back(point[0], point[1], point[2]);
+  }
+  spdlog::info("mission {}: {} {}{}", message.mission_id, asked.verb, asked.text, asked.vehicle);
+  coordinator_.onMission(message.mission_id, asked);
+}
+
+void FleetNode::onWallClock(WallTime now) {
+  const std::chrono::duration<double> since = now - last_announced_;
+  if (last_frame_ == 0 && since.count() >= 1.0 / experiment_.fleet.rate_hz) {
+    last_announced_ = now;
+    publishStatus(coordinator_.waitingStatus());
+  }
+}
+
+void FleetNode::publishStatus(const FleetStatus& status) {
+  logProgress(status);
+  bus::publish(bus_, bus::kFleetStatusChannel, toMessage(status, experiment_));
+}
+
+void FleetNode::logProgress(const FleetStatus& status) {
+  const std::string text = status.formation + "|" + status.reason;
+  if (status.phase == logged_phase_ && text == logged_text_) {
+    return;
+  }
+  const bool bad = status.phase == Phase::kFailed;
+  spdlog::log(bad ? spdlog::level::err : spdlog::level::info, "{}{}{}{}{}",
+              kPhaseNames[static_cast<std::size_t>(status.phase)],
+              status.formation.empty() ? "" : " ", status.formation,
+              status.reason.empty() ? "" : ": ", status.reason);
+  logged_phase_ = status.phase;
+  logged_text_ = text;
+}
+
+}  // namespace roundabout::fleet

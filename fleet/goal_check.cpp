@@ -1,0 +1,60 @@
+#include "fleet/goal_check.h"
+
+#include <algorithm>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace roundabout::fleet {
+
+double goalSpacingM(const config::Experiment& experiment) {
+  double largest_m = 0.0;
+  double second_m = 0.0;
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    second_m = std::max(second_m, std::min(largest_m, vehicle.assumed_radius_m));
+    largest_m = std::max(largest_m, vehicle.assumed_radius_m);
+  }
+  return largest_m + second_m + experiment.safety.goal_margin_m;
+}
+
+std::optional<std::string> refuseGoals(const config::Experiment& experiment,
+                                       const std::vector<Eigen::Vector3d>& points_m) {
+  if (points_m.size() > experiment.vehicles.size()) {
+    return fmt::format("{} goals are more than {} vehicles", points_m.size(),
+                       experiment.vehicles.size());
+  }
+  double body_m = 0.0;
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    body_m = std::max(body_m, vehicle.body_radius_m);
+  }
+  const config::Room& room = experiment.room;
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    const Eigen::Vector3d& point = points_m[i];
+    if (!point.allFinite()) {
+      return fmt::format("goal {} is not a number", i + 1);
+    }
+    const bool inside = (point.head<2>().array() - body_m >= room.min_m.head<2>().array()).all() &&
+                        (point.head<2>().array() + body_m <= room.max_m.head<2>().array()).all() &&
+                        point.z() >= room.min_m.z() && point.z() <= room.max_m.z();
+    if (!inside) {
+      return fmt::format(
+          "goal {} at ({:.2f}, {:.2f}, {:.2f}) is outside the room, which reaches from ({:.2f}, "
+          "{:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f}) less a body radius of {:.2f} m",
+          i + 1, point.x(), point.y(), point.z(), room.min_m.x(), room.min_m.y(), room.min_m.z(),
+          room.max_m.x(), room.max_m.y(), room.max_m.z(), body_m);
+    }
+  }
+  constexpr double kRounding_m = 1e-9;
+  const double needed_m = goalSpacingM(experiment);
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    for (std::size_t j = i + 1; j < points_m.size(); ++j) {
+      const double distance_m = (points_m[i] - points_m[j]).head<2>().norm();
+      if (distance_m < needed_m - kRounding_m) {
+        return fmt::format("goals {} and {} are {:.2f} m apart and must be {:.2f} m", i + 1, j + 1,
+                           distance_m, needed_m);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace roundabout::fleet
