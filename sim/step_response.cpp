@@ -102,6 +102,21 @@ std::vector<StepSample> stepResponse(const config::Sim& sim, StepKind kind, doub
   return response;
 }
 
+double stoppingDistanceM(const config::Sim& sim, double speed_mps) {
+  World world(oneMultirotor(sim), 0);
+  const core::Utime begin = core::toUtime(kHoverSeconds);
+  const core::Utime brake = begin + core::toUtime(kHoverSeconds);
+  fly(world, hover(), begin, [] {});
+  fly(world, stepCommand(StepKind::kVelocity, speed_mps), brake, [] {});
+  const double begin_m = world.bodies()[0].position_world_m.x();
+  double farthest_m = begin_m;
+  core::Command hold = hover();
+  hold.mode = core::CommandMode::kHold;
+  fly(world, hold, brake + core::toUtime(kHoverSeconds),
+      [&] { farthest_m = std::max(farthest_m, world.bodies()[0].position_world_m.x()); });
+  return farthest_m - begin_m;
+}
+
 StepFigures figuresOf(const std::vector<StepSample>& response, double size) {
   StepFigures figures{};
   figures.delay_s = timeOf(response, 0.05 * size);

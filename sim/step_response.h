@@ -34,6 +34,9 @@ struct StepFigures {
 std::vector<StepSample> stepResponse(const config::Sim& sim, StepKind kind, double size,
                                      double duration_s);
 
+/// How far it goes on from level flight at this speed after a HOLD command arrived. m.
+double stoppingDistanceM(const config::Sim& sim, double speed_mps);
+
 StepFigures figuresOf(const std::vector<StepSample>& response, double size);
 
 }  // namespace roundabout::sim

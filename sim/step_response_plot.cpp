@@ -56,7 +56,7 @@ set xrange [0:3]
 set title 'Velocity step, 0 to 1 m/s'
 set ylabel 'm/s'
 set yrange [-0.05:1.2]
-plot 1 lc rgb '#888888' dt 2 t 'commanded', $velocity u 1:2 w l lw 2 lc rgb '#1f77b4' t 'flown'
+plot 1 lc rgb '#888888' dt 2 t 'commanded', $velocity every 4 u 1:2 w l lw 2 lc rgb '#1f77b4' t 'flown'
 set title 'The same: acceleration and tilt'
 set ylabel 'm/s^2'
 set y2label 'degrees'
@@ -65,8 +65,8 @@ set ytics nomirror
 set yrange [-1:4]
 set y2range [-5:20]
 set key top right
-plot $velocity u 1:4 w l lw 2 lc rgb '#d62728' t 'acceleration', \
-     $velocity u 1:3 axes x1y2 w l lw 2 lc rgb '#2ca02c' t 'tilt (right axis)'
+plot $velocity every 4 u 1:4 w l lw 2 lc rgb '#d62728' t 'acceleration', \
+     $velocity every 4 u 1:3 axes x1y2 w l lw 2 lc rgb '#2ca02c' t 'tilt (right axis)'
 unset y2label
 unset y2tics
 set ytics mirror
@@ -75,11 +75,11 @@ set xrange [0:4]
 set title 'Position step, 0 to 2 m'
 set ylabel 'm'
 set yrange [-0.1:2.4]
-plot 2 lc rgb '#888888' dt 2 t 'commanded', $position u 1:2 w l lw 2 lc rgb '#1f77b4' t 'flown'
+plot 2 lc rgb '#888888' dt 2 t 'commanded', $position every 4 u 1:2 w l lw 2 lc rgb '#1f77b4' t 'flown'
 set title 'Heading step, 0 to 90 degrees'
 set ylabel 'degrees'
 set yrange [-5:110]
-plot 90 lc rgb '#888888' dt 2 t 'commanded', $heading u 1:2 w l lw 2 lc rgb '#1f77b4' t 'flown'
+plot 90 lc rgb '#888888' dt 2 t 'commanded', $heading every 4 u 1:2 w l lw 2 lc rgb '#1f77b4' t 'flown'
 unset multiplot
 )";
 
@@ -109,6 +109,11 @@ std::string drawStepResponses(const config::Sim& sim, const std::string& path) {
                     : step.kind == StepKind::kVelocity ? "velocity"
                                                        : "position",
                     response, heading ? kDegrees : 1.0);
+  }
+  table += "\n| from | stops within |\n|---|---|\n";
+  for (const double speed_mps : {0.5, 1.0, 2.0}) {
+    table +=
+        fmt::format("| {:.1f} m/s | {:.2f} m |\n", speed_mps, stoppingDistanceM(sim, speed_mps));
   }
   runGnuplot(
       fmt::format("{}set term svg size 960,640 font 'sans,12' background 'white'\n"

@@ -232,6 +232,15 @@ TEST(MultirotorStepResponse, CommandDelayDelaysTheWholeResponse) {
   EXPECT_NEAR(late_lag_s - lag_s, 0.1, 1e-9);
 }
 
+TEST(MultirotorStepResponse, StopsLaterTheFasterItWas) {
+  const double slow_m = stoppingDistanceM({}, 0.5);
+  const double fast_m = stoppingDistanceM({}, 1.0);
+  // Mean lag 1/3 s, delay 0.02 s, and what the limits add.
+  EXPECT_GT(slow_m, 0.5 * 0.34);
+  EXPECT_GT(fast_m, 2.0 * slow_m - 0.01);
+  EXPECT_LT(fast_m, 0.5);
+}
+
 TEST(MultirotorStepResponse, HeadingTurnsNoFasterThanItsLimit) {
   const auto response = stepResponse({}, StepKind::kHeading, 1.5, 4.0);
   for (std::size_t i = 1; i < response.size(); ++i) {
