@@ -2,11 +2,21 @@
 
 namespace roundabout::logs {
 
+namespace {
+
+// Bitmaps stay sharp on paper and on dense screens.
+constexpr int kPixelScale = 2;
+
+}  // namespace
+
 void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::string& title) {
   script.line("reset");
   script.line("set encoding utf8");
-  script.line("set terminal pngcairo noenhanced size {},{} font \"DejaVu Sans,11\"", size.width,
-              size.height);
+  script.line(
+      "set terminal pngcairo noenhanced size {},{} font \"DejaVu Sans,11\" fontscale {} linewidth "
+      "{} "
+      "pointscale {}",
+      kPixelScale * size.width, kPixelScale * size.height, kPixelScale, kPixelScale, kPixelScale);
   script.line("set title {} font \"DejaVu Sans,14\"", quoted(title));
   script.line("set border 3 lc rgb \"#555555\"");
   script.line("set tics nomirror out scale 0.6 tc rgb \"#333333\"");

@@ -7,7 +7,7 @@
 
 namespace roundabout::logs {
 
-/// Pixels.
+/// Pixels of the page; bitmaps have twice as many each way.
 struct CanvasSize {
   int width = 1000;
   int height = 400;

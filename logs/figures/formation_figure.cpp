@@ -160,7 +160,9 @@ std::string outcomeOf(const FormationMetrics& formation) {
                          ? fmt::format("formed in {:.1f} s", formation.time_to_form_s)
                          : "formed";
   if (std::isfinite(formation.body_gap.gap_m)) {
-    text += fmt::format(", closest bodies {:.2f} m", formation.body_gap.gap_m);
+    text += formation.body_gap.gap_m < 0.0
+                ? fmt::format(", bodies overlap {:.2f} m", -formation.body_gap.gap_m)
+                : fmt::format(", closest bodies {:.2f} m", formation.body_gap.gap_m);
   }
   return text;
 }
@@ -178,9 +180,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
   const double interval_s = circleInterval(flight);
   figure.title = formation.name + ": " + outcomeOf(formation);
   figure.caption = fmt::format(
-      "circles of body radius every {} s while moving, darker with time; star: goal, diamond: "
-      "start",
-      interval_s);
+      "bodies every {} s while moving, darker with time; star: goal, diamond: start", interval_s);
 
   PlanView view;
   includePaths(view, flight, begin, end);
@@ -206,7 +206,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
 void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
                   Figure& figure) {
   const std::size_t end = flight.frames.size();
-  figure.title = "the whole flight";
+  figure.title = "The whole flight";
   figure.caption = "paths of the centres; diamond: start, grey star: a goal";
   PlanView view;
   includePaths(view, flight, 0, end);

@@ -9,12 +9,12 @@ namespace roundabout::logs {
 namespace {
 
 // Pixels.
-constexpr double kPlot = 760.0;
-constexpr int kMinWidth = 420;
-constexpr int kLeft = 70;
-constexpr int kRight = 150;
+constexpr double kPlot = 460.0;
+constexpr int kMinWidth = 330;
+constexpr int kLeft = 60;
+constexpr int kRight = 110;
 constexpr int kTop = 50;
-constexpr int kBottom = 85;
+constexpr int kBottom = 80;
 constexpr double kMarginM = 0.3;
 
 }  // namespace
@@ -53,9 +53,11 @@ void PlanView::set(GnuplotScript& script, const std::string& caption) const {
   script.line("set rmargin at screen {:.4f}", 1.0 - static_cast<double>(kRight) / canvas.width);
   script.line("set bmargin at screen {:.4f}", static_cast<double>(kBottom) / canvas.height);
   script.line("set tmargin at screen {:.4f}", 1.0 - static_cast<double>(kTop) / canvas.height);
-  script.line("set xlabel {}", quoted("x (m)\n" + caption));
+  script.line("set xlabel \"x (m)\"");
+  script.line("set label 1 {} at screen 0.5, screen 0.025 center tc rgb \"#667385\" font \",9\"",
+              quoted(caption));
   script.line("set ylabel \"y (m)\"");
-  script.line("set key outside right top Left reverse samplen 1.5 spacing 1.3");
+  script.line("set key at graph 1.02, 1 left top Left reverse samplen 1 spacing 1.3");
 }
 
 std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,

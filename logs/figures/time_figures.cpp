@@ -38,11 +38,12 @@ double timeOf(const Flight& flight, const Bin& bin) {
 void begin(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
            const Figure& figure) {
   beginFigure(script, kSize, figure.title);
+  script.line("set title offset 0,0.6");
   script.line("set rmargin 18");
   script.line("set xlabel \"time (s)\"");
   script.line("set xrange [0:{:.3f}]",
               std::max(flight.secondsAt(flight.frames.back().utime), 1e-3));
-  script.line("set key outside right top Left reverse samplen 1.5 spacing 1.2");
+  script.line("set key at graph 1.02, 1 left top Left reverse samplen 1.5 spacing 1.2");
   int object = 1;
   for (const FormationMetrics& formation : metrics.formations) {
     const double begin_s = formation.begin_at_s;
@@ -54,7 +55,7 @@ void begin(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
         "fc rgb \"#f1f3f6\" fs solid noborder",
         object, begin_s, end_s);
     script.line(
-        "set label {} {} at first {:.3f}, graph 0.94 center noenhanced tc rgb \"#777777\" "
+        "set label {} {} at first {:.3f}, graph 1.05 center noenhanced tc rgb \"#777777\" "
         "font \",12\"",
         object++, quoted(formation.name), (begin_s + end_s) / 2.0);
   }
@@ -74,8 +75,8 @@ double assumedMargin(const Flight& flight) {
 
 void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
                     Figure& figure) {
-  figure.title = "closest pair";
-  figure.caption = "horizontal gap between the two closest bodies in the air";
+  figure.title = "Gap between the two closest bodies";
+  figure.caption = "horizontal, in the air; shaded: on the way to a formation";
   begin(script, flight, metrics, figure);
   const GapsOverTime gaps = gapsOverTime(flight);
   std::vector<std::string> rows;
@@ -99,7 +100,7 @@ void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& 
 
 void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
                Figure& figure) {
-  figure.title = "speed";
+  figure.title = "Speed";
   figure.caption = "published velocity, all three axes";
   begin(script, flight, metrics, figure);
   script.line("set ylabel \"speed (m/s)\"");
@@ -125,7 +126,7 @@ void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metri
 
 void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
                         Figure& figure) {
-  figure.title = "frame intervals";
+  figure.title = "Frame intervals";
   figure.caption = "shortest and longest interval between logged frames";
   begin(script, flight, metrics, figure);
   std::vector<std::string> rows;

@@ -1,8 +1,7 @@
 #include "logs/metrics/formations.h"
 
 #include <algorithm>
-
-#include <spdlog/fmt/fmt.h>
+#include <limits>
 
 #include "logs/metrics/motion.h"
 
@@ -13,19 +12,19 @@ namespace {
 // Goals carry the time of the first status of their phase; that one may be lost.
 constexpr double kGoalBeforeStatusS = 0.5;
 
-bool isFlown(FleetPhase phase) { return phase == FleetPhase::kGo || phase == FleetPhase::kHold; }
-
-std::string displayName(const PhaseMetrics& phase) {
-  return phase.formation.empty() ? fmt::format("step {}", phase.step) : phase.formation;
+bool isFormation(const PhaseMetrics& phase) {
+  return !phase.formation.empty() &&
+         (phase.phase == FleetPhase::kGo || phase.phase == FleetPhase::kHold);
 }
 
-/// The last place that a vehicle was sent to in (after_s, before_s) of data time.
-const core::Goal* goalBetween(const Flight& flight, const FlightVehicle& vehicle, double after_s,
-                              double before_s) {
+/// The last place that a vehicle was sent to in a span of data time; nullptr if there is none.
+const core::Goal* goalBetween(const Flight& flight, const FlightVehicle& vehicle, double begin_s,
+                              double end_s) {
   const core::Goal* found = nullptr;
   for (const Logged<core::Goal>& goal : vehicle.goals) {
     const double at_s = flight.secondsAt(goal.value.utime);
-    if (goal.value.phase == core::GoalPhase::kGo && at_s > after_s && at_s < before_s) {
+    if (goal.value.phase == core::GoalPhase::kGo && at_s > begin_s - kGoalBeforeStatusS &&
+        at_s < end_s) {
       found = &goal.value;
     }
   }
@@ -69,6 +68,46 @@ int countBegun(const std::vector<Encounter>& encounters, double begin_s, double 
       }));
 }
 
+/// True if a phase goes on with a formation: the hold after its go, or the same goals given again
+/// by a fleet process that was restarted. The same letter twice in a word has goals of its own.
+bool continues(const Flight& flight, const FormationMetrics& formation, const PhaseMetrics& phase) {
+  if (formation.name != phase.formation || formation.step != phase.step) {
+    return false;
+  }
+  if (phase.phase == FleetPhase::kHold) {
+    return true;
+  }
+  return std::any_of(
+      flight.vehicles.begin(), flight.vehicles.end(), [&](const FlightVehicle& vehicle) {
+        const core::Goal* before =
+            goalBetween(flight, vehicle, formation.begin_at_s, formation.end_at_s);
+        const core::Goal* now = goalBetween(flight, vehicle, phase.begin_at_s, phase.end_at_s);
+        return before != nullptr && now != nullptr && before->goal_id == now->goal_id;
+      });
+}
+
+void measure(const Flight& flight, const GapsOverTime& gaps, const SeparationMetrics& separation,
+             FormationMetrics& formation) {
+  const std::size_t begin = flight.frameAt(flight.utimeAt(formation.begin_at_s));
+  const std::size_t end = flight.frameAt(flight.utimeAt(formation.end_at_s));
+  for (const FlightVehicle& vehicle : flight.vehicles) {
+    if (const core::Goal* goal =
+            goalBetween(flight, vehicle, formation.begin_at_s, formation.end_at_s)) {
+      formation.legs.push_back(legOf(flight, vehicle, *goal, end));
+    }
+  }
+  // The fleet holds a formation without the vehicles that it has given up on.
+  if (!std::all_of(formation.legs.begin(), formation.legs.end(),
+                   [](const LegMetrics& leg) { return leg.reached; })) {
+    formation.formed = false;
+    formation.time_to_form_s = std::numeric_limits<double>::quiet_NaN();
+  }
+  formation.body_gap = closestIn(flight, gaps, begin, end);
+  formation.touches = countBegun(separation.touches, formation.begin_at_s, formation.end_at_s);
+  formation.approaches =
+      countBegun(separation.approaches, formation.begin_at_s, formation.end_at_s);
+}
+
 }  // namespace
 
 std::vector<PhaseMetrics> phasesOf(const Flight& flight) {
@@ -104,48 +143,29 @@ std::vector<FormationMetrics> formationsOf(const Flight& flight,
                                            const GapsOverTime& gaps,
                                            const SeparationMetrics& separation) {
   std::vector<FormationMetrics> formations;
-  FleetPhase before = FleetPhase::kWaiting;
   for (const PhaseMetrics& phase : phases) {
-    if (isFlown(phase.phase)) {
-      // A hold completes what was gone for; whatever follows a restart of the fleet (waiting) goes
-      // on with it; another go is another formation even if it has the same name.
-      const bool continues = !formations.empty() && formations.back().name == displayName(phase) &&
-                             formations.back().step == phase.step &&
-                             (before == FleetPhase::kWaiting ||
-                              (before == FleetPhase::kGo && phase.phase == FleetPhase::kHold));
-      if (!continues) {
-        FormationMetrics formation;
-        formation.name = displayName(phase);
-        formation.step = phase.step;
-        formation.begin_at_s = phase.begin_at_s;
-        formations.push_back(formation);
-      }
-      FormationMetrics& formation = formations.back();
-      formation.end_at_s = phase.end_at_s;
-      if (phase.phase == FleetPhase::kHold && !formation.formed) {
-        formation.formed = true;
-        if (continues) {
-          formation.time_to_form_s = phase.begin_at_s - formation.begin_at_s;
-        }
+    if (!isFormation(phase)) {
+      continue;
+    }
+    if (formations.empty() || !continues(flight, formations.back(), phase)) {
+      FormationMetrics formation;
+      formation.name = phase.formation;
+      formation.step = phase.step;
+      formation.begin_at_s = phase.begin_at_s;
+      formations.push_back(formation);
+    }
+    FormationMetrics& formation = formations.back();
+    formation.end_at_s = phase.end_at_s;
+    if (phase.phase == FleetPhase::kHold && !formation.formed) {
+      formation.formed = true;
+      // A log that begins during the hold does not tell.
+      if (phase.begin_at_s > formation.begin_at_s) {
+        formation.time_to_form_s = phase.begin_at_s - formation.begin_at_s;
       }
     }
-    before = phase.phase;
   }
-
   for (FormationMetrics& formation : formations) {
-    const std::size_t begin = flight.frameAt(flight.utimeAt(formation.begin_at_s));
-    const std::size_t end = flight.frameAt(flight.utimeAt(formation.end_at_s));
-    for (const FlightVehicle& vehicle : flight.vehicles) {
-      const core::Goal* goal = goalBetween(
-          flight, vehicle, formation.begin_at_s - kGoalBeforeStatusS, formation.end_at_s);
-      if (goal != nullptr) {
-        formation.legs.push_back(legOf(flight, vehicle, *goal, end));
-      }
-    }
-    formation.body_gap = closestIn(flight, gaps, begin, end);
-    formation.touches = countBegun(separation.touches, formation.begin_at_s, formation.end_at_s);
-    formation.approaches =
-        countBegun(separation.approaches, formation.begin_at_s, formation.end_at_s);
+    measure(flight, gaps, separation, formation);
   }
   return formations;
 }

@@ -14,6 +14,16 @@ namespace roundabout::logs {
 
 namespace {
 
+std::string whoIsMissing(const FormationMetrics& formation) {
+  std::string names;
+  for (const LegMetrics& leg : formation.legs) {
+    if (!leg.reached) {
+      names += (names.empty() ? "" : ", ") + leg.vehicle;
+    }
+  }
+  return names.empty() ? names : fmt::format(": {} did not reach the goal", names);
+}
+
 std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics) {
   std::vector<std::string> failures;
   if (flight.frames.empty()) {
@@ -26,16 +36,23 @@ std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics
   }
   for (const FormationMetrics& formation : metrics.formations) {
     if (!formation.formed) {
-      failures.push_back(fmt::format("{} was not formed", formation.name));
+      failures.push_back(formation.name + " was not formed" + whoIsMissing(formation));
     }
   }
   if (metrics.phases.empty()) {
     failures.emplace_back("the log holds no FLEET_STATUS: nobody said what was to be formed");
-  } else if (const FleetPhase last = metrics.phases.back().phase;
-             last != FleetPhase::kDone && last != FleetPhase::kIdle) {
-    const std::string& reason = flight.fleet.back().value.reason;
-    failures.push_back(fmt::format("the flight ended in phase {}{}", nameOf(last),
-                                   reason.empty() ? "" : ": " + reason));
+    return failures;
+  }
+  const auto last_heard =
+      std::find_if(flight.fleet.rbegin(), flight.fleet.rend(),
+                   [](const Logged<FleetStatus>& status) { return status.value.utime > 0; });
+  const FleetStatus& last = last_heard->value;
+  if (last.phase != FleetPhase::kDone && last.phase != FleetPhase::kIdle) {
+    failures.push_back(fmt::format("the flight ended in phase {}{}", nameOf(last.phase),
+                                   last.reason.empty() ? "" : ": " + last.reason));
+  } else if (last.step < last.num_steps) {
+    failures.push_back(
+        fmt::format("the mission was left at step {} of {}", last.step + 1, last.num_steps));
   }
   return failures;
 }

@@ -70,7 +70,7 @@ inline constexpr double kGoalDistanceM = 0.3;
 struct FormationMetrics {
   std::string name;
   int step = -1;
-  bool formed = false;
+  bool formed = false;      ///< the fleet said so and everybody had reached its goal
   double begin_at_s = 0.0;  ///< goals given
   double end_at_s = 0.0;    ///< left again, or the log ended
   double time_to_form_s = std::numeric_limits<double>::quiet_NaN();
@@ -98,6 +98,10 @@ struct VehicleMetrics {
   int missed_ticks = 0;
 };
 
+/// Limits of a steady stream of frames: 200 +- 0.5 Hz, and 1 ms of the 5 ms between frames.
+inline constexpr double kRateTolerance = 0.0025;
+inline constexpr double kIntervalErrorTolerance = 0.2;
+
 struct TimingMetrics {
   bool real_time = false;
   int frames = 0;
@@ -111,6 +115,7 @@ struct TimingMetrics {
   double rate_hz = 0.0;
   Spread interval_error_s;  ///< |interval - nominal|
   double longest_interval_s = 0.0;
+  bool steady = false;  ///< within the limits above (p99 of the error), no frame missing
 };
 
 struct PhaseMetrics {

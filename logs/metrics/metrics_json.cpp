@@ -68,7 +68,8 @@ Json timing(const TimingMetrics& timing) {
           {"nominal_interval_s", number(timing.nominal_interval_s)},
           {"rate_hz", number(timing.rate_hz)},
           {"interval_error", spread(timing.interval_error_s)},
-          {"longest_interval_s", timing.longest_interval_s}};
+          {"longest_interval_s", timing.longest_interval_s},
+          {"steady", timing.steady}};
 }
 
 Json formation(const FormationMetrics& formation) {

@@ -61,9 +61,10 @@ std::string timingText(const Metrics& metrics) {
       timing.missing_frames);
   if (timing.real_time) {
     text += fmt::format(
-        "{:.2f} Hz; |interval - {:.1f} ms| p50 {} ms, p99 {} ms, max {} ms\n", timing.rate_hz,
-        timing.nominal_interval_s * 1e3, number(timing.interval_error_s.p50, 3, 1e3),
-        number(timing.interval_error_s.p99, 3, 1e3), number(timing.interval_error_s.max, 3, 1e3));
+        "{:.2f} Hz ({}steady); |interval - {:.1f} ms| p50 {} ms, p99 {} ms, max {} ms\n",
+        timing.rate_hz, timing.steady ? "" : "NOT ", timing.nominal_interval_s * 1e3,
+        number(timing.interval_error_s.p50, 3, 1e3), number(timing.interval_error_s.p99, 3, 1e3),
+        number(timing.interval_error_s.max, 3, 1e3));
     for (const VehicleMetrics& vehicle : metrics.vehicles) {
       text += fmt::format("{}: command {} ms after its state (p99 {} ms)\n", vehicle.name,
                           number(vehicle.command_latency_s.p50, 2, 1e3),

@@ -37,6 +37,9 @@ TimingMetrics timingOf(const Flight& flight) {
     interval_s = std::abs(interval_s - timing.nominal_interval_s);
   }
   timing.interval_error_s = spreadOf(std::move(log_intervals_s));
+  timing.steady = timing.missing_frames == 0 &&
+                  std::abs(timing.rate_hz * timing.nominal_interval_s - 1.0) <= kRateTolerance &&
+                  timing.interval_error_s.p99 < kIntervalErrorTolerance * timing.nominal_interval_s;
   return timing;
 }
 

@@ -43,24 +43,25 @@ std::string verdict(const Metrics& metrics) {
   return html + "</div>\n";
 }
 
-std::string card(const std::string& value, const std::string& text) {
-  return fmt::format("<div class=\"card\"><b>{}</b><span>{}</span></div>\n", value, text);
+std::string card(const std::string& value, const std::string& text, const char* look = "") {
+  return fmt::format("<div class=\"card\"><b class=\"{}\">{}</b><span>{}</span></div>\n", look,
+                     value, text);
 }
 
-std::string gapCard(const ClosestGap& gap, const std::string& what) {
+std::string gapCard(const ClosestGap& gap, const std::string& what, const char* below_zero) {
   if (!std::isfinite(gap.gap_m)) {
     return card("–", what + ": never two in the air");
   }
-  return card(fmt::format("<span class=\"{}\" style=\"font-size:inherit\">{:.2f} m</span>",
-                          gap.gap_m < 0.0 ? "warn" : "good", gap.gap_m),
+  return card(fmt::format("{:.2f} m", gap.gap_m),
               fmt::format("{}, {} and {} at {:.1f} s", what, escaped(gap.vehicle_a),
-                          escaped(gap.vehicle_b), gap.at_s));
+                          escaped(gap.vehicle_b), gap.at_s),
+              gap.gap_m < 0.0 ? below_zero : "good");
 }
 
 std::string cards(const Metrics& metrics) {
   const SeparationMetrics& separation = metrics.separation;
-  return "<div class=\"cards\">\n" + gapCard(separation.body_gap, "closest bodies") +
-         gapCard(separation.assumed_gap, "closest assumed radii") +
+  return "<div class=\"cards\">\n" + gapCard(separation.body_gap, "closest bodies", "bad") +
+         gapCard(separation.assumed_gap, "closest assumed radii", "warn") +
          card(fmt::format("{}", separation.approaches.size()),
               fmt::format("closer approaches than the assumed radii, {:.1f} s in total",
                           separation.approaching_time_s)) +
@@ -137,10 +138,16 @@ std::string timingSection(const Metrics& metrics) {
            "about the lab, so none are given.</p>\n";
   }
   html += fmt::format(
-      "<p>VEHICLE_STATES at <b>{:.2f} Hz</b>; |interval − {:.1f} ms|: p50 {} ms, p99 <b>{} ms</b>, "
-      "largest {} ms.</p>\n",
-      timing.rate_hz, timing.nominal_interval_s * 1e3, number(timing.interval_error_s.p50, 3, 1e3),
-      number(timing.interval_error_s.p99, 3, 1e3), number(timing.interval_error_s.max, 3, 1e3));
+      "<p>VEHICLE_STATES at <b>{:.2f} Hz</b>, {}; |interval − {:.1f} ms|: p50 {} ms, p99 <b>{} "
+      "ms</b>, largest {} ms. Steady means: nothing missing, rate within {} % and p99 within {} % "
+      "of "
+      "the interval.</p>\n",
+      timing.rate_hz,
+      timing.steady ? "<span class=\"good\">steady</span>"
+                    : "<span class=\"bad\">not steady</span>",
+      timing.nominal_interval_s * 1e3, number(timing.interval_error_s.p50, 3, 1e3),
+      number(timing.interval_error_s.p99, 3, 1e3), number(timing.interval_error_s.max, 3, 1e3),
+      kRateTolerance * 100.0, kIntervalErrorTolerance * 100.0);
   std::vector<std::vector<std::string>> rows;
   for (const VehicleMetrics& vehicle : metrics.vehicles) {
     const Spread& latency = vehicle.command_latency_s;
@@ -180,26 +187,28 @@ std::string faultSection(const Flight& flight, const Metrics& metrics) {
   return html + "</ul>\n";
 }
 
-std::string picture(const Figure& figure) {
-  return fmt::format("<img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\">\n",
-                     escaped(figure.title), base64(readFile(figure.svg_file)));
+std::string picture(const std::string& file, const char* type, const std::string& title) {
+  return fmt::format("<img alt=\"{}\" src=\"data:image/{};base64,{}\">\n", escaped(title), type,
+                     base64(readFile(file)));
 }
 
-std::string formationPictures(const Figures& figures) {
-  std::string html = "<div class=\"letters\">\n";
+// Bitmaps here: hundreds of circles are smaller as one.
+std::string plans(const Figures& figures) {
+  std::string html = "<div class=\"plans\">\n";
   for (const Figure& figure : figures.formations) {
-    html += picture(figure);
+    html += picture(figure.png_file, "png", figure.title);
   }
-  if (!figures.overview.svg_file.empty()) {
-    html += picture(figures.overview);
+  if (!figures.overview.png_file.empty()) {
+    html += picture(figures.overview.png_file, "png", figures.overview.title);
   }
   return html + "</div>\n";
 }
 
-std::string timePictures(const Figures& figures) {
+std::string curves(const Figures& figures) {
   std::string html;
   for (const Figure& figure : figures.over_time) {
-    html += picture(figure);
+    html += "<figure>" + picture(figure.svg_file, "svg+xml", figure.title) + "<figcaption>" +
+            escaped(figure.caption) + "</figcaption></figure>\n";
   }
   return html;
 }
@@ -228,10 +237,10 @@ void writeReport(const std::string& file, const Flight& flight, const Metrics& m
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + name +
       "</title><style>" + kReportStyle + "</style></head><body>\n<h1>" + name + "</h1>\n" +
       "<p class=\"quiet\">" + escaped(flight.log_file) + "</p>\n" + verdict(metrics) +
-      cards(metrics) + "<h2>Formations</h2>\n" + formationPictures(figures) +
-      formationTable(metrics) + "<h2>Over time</h2>\n" + timePictures(figures) +
-      "<h2>Vehicles</h2>\n" + vehicleTable(metrics) + "<h2>Timing</h2>\n" + timingSection(metrics) +
-      "<h2>Faults</h2>\n" + faultSection(flight, metrics) + "<h2>Experiment</h2>\n" +
+      cards(metrics) + "<h2>Formations</h2>\n" + plans(figures) + formationTable(metrics) +
+      "<h2>Over time</h2>\n" + curves(figures) + "<h2>Vehicles</h2>\n" + vehicleTable(metrics) +
+      "<h2>Timing</h2>\n" + timingSection(metrics) + "<h2>Faults</h2>\n" +
+      faultSection(flight, metrics) + "<h2>Experiment</h2>\n" +
       experimentSection(flight, command_line) + "</body></html>\n";
   writeFile(file, html);
 }

@@ -24,13 +24,14 @@ th { text-align: right; font-weight: 600; color: var(--quiet); border-bottom: 2p
 td { text-align: right; border-bottom: 1px solid var(--line); padding: 4px 8px; }
 th:first-child, td:first-child { text-align: left; }
 .good { color: var(--good); } .bad { color: var(--bad); font-weight: 600; } .warn { color: var(--warn); }
-.letters { display: grid; grid-template-columns: repeat(3, 1fr); gap: 10px; }
-.letters img { width: 100%; height: 340px; object-fit: contain; }
+.plans { display: grid; grid-template-columns: repeat(3, 1fr); gap: 10px; }
+.plans img { width: 100%; height: 340px; object-fit: contain; }
 img { max-width: 100%; }
+figure { margin: 0 0 10px; text-align: center; } figcaption { color: var(--quiet); font-size: 12.5px; }
 pre { background: #f6f8fa; border: 1px solid var(--line); border-radius: 6px; padding: 12px; font-size: 11.5px; overflow-x: auto; }
 details summary { cursor: pointer; color: var(--quiet); }
 @media print { body { margin: 0; font-size: 11px; } .verdict { font-size: 14px; } h2 { margin-top: 14px; }
-  .letters img { height: 230px; } details { display: none; } h2, table, img { break-inside: avoid; } }
+  .plans img { height: 230px; } details { display: none; } h2, table, img { break-inside: avoid; } }
 )css";
 
 }  // namespace roundabout::logs

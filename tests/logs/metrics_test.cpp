@@ -22,6 +22,19 @@ using testing::IsEmpty;
 
 constexpr double kFrameS = 0.005;
 
+void expectThreeLetters(const Metrics& metrics) {
+  ASSERT_EQ(metrics.formations.size(), 3u);
+  EXPECT_EQ(metrics.formations[0].name, "H");
+  EXPECT_EQ(metrics.formations[1].name, "L");
+  EXPECT_EQ(metrics.formations[2].name, "L");
+  for (const FormationMetrics& formation : metrics.formations) {
+    EXPECT_EQ(formation.legs.size(), 2u);
+    EXPECT_NEAR(formation.time_to_form_s, 1.0, 1e-9);
+  }
+  EXPECT_EQ(metrics.formationsFormed(), 3);
+  EXPECT_TRUE(metrics.success);
+}
+
 /// Bodies of 0.35 m, assumed radii of 0.5 m, preferred speed 1 m/s.
 class MetricsTest : public testing::Test {
  protected:
@@ -137,17 +150,10 @@ TEST_F(MetricsTest, FindsEveryLetterInOrderEvenTwiceTheSame) {
   const std::vector<Eigen::Vector3d> goals{{0, 0, 1}, {0, 5, 1}};
   synthetic_.formations = {
       {"H", 1.0, 2.0, 3.0, goals}, {"L", 3.0, 4.0, 5.0, goals}, {"L", 5.0, 6.0, 7.0, goals}};
-  const Metrics metrics = measure();
-  ASSERT_EQ(metrics.formations.size(), 3u);
-  EXPECT_EQ(metrics.formations[0].name, "H");
-  EXPECT_EQ(metrics.formations[1].name, "L");
-  EXPECT_EQ(metrics.formations[2].name, "L");
-  for (const FormationMetrics& formation : metrics.formations) {
-    EXPECT_EQ(formation.legs.size(), 2u);
-    EXPECT_NEAR(formation.time_to_form_s, 1.0, 1e-9);
+  for (const bool by_messages : {false, true}) {
+    synthetic_.by_messages = by_messages;
+    expectThreeLetters(measure());
   }
-  EXPECT_EQ(metrics.formationsFormed(), 3);
-  EXPECT_TRUE(metrics.success);
 }
 
 TEST_F(MetricsTest, FailsIfALetterWasNotFormed) {
@@ -166,6 +172,35 @@ TEST_F(MetricsTest, FailsIfTheLogEndsBeforeTheMission) {
   const Metrics metrics = measure();
   EXPECT_EQ(metrics.formationsFormed(), 1);
   EXPECT_THAT(metrics.failures, ElementsAre(HasSubstr("ended in phase hold")));
+}
+
+TEST_F(MetricsTest, FailsIfTheMissionWasLeftBeforeItsEnd) {
+  passAt(2.0);
+  synthetic_.last_phase = FleetPhase::kIdle;
+  synthetic_.steps_left_out = 2;
+  EXPECT_THAT(measure().failures, ElementsAre("the mission was left at step 2 of 3"));
+}
+
+TEST_F(MetricsTest, DoesNotCallALetterFormedThatSomebodyIsMissingFrom) {
+  passAt(2.0);
+  synthetic_.formations[0].goals_world_m[1] = {-8, 2, 1};
+  const Metrics metrics = measure();
+  EXPECT_FALSE(metrics.formations[0].formed);
+  EXPECT_FALSE(metrics.formations[0].legs[1].reached);
+  EXPECT_THAT(metrics.failures, ElementsAre("swap was not formed: hex2 did not reach the goal"));
+}
+
+TEST_F(MetricsTest, GoesOnWithAFormationWhenARestartedFleetGivesItsGoalsAgain) {
+  passAt(2.0);
+  SyntheticFormation& swap = synthetic_.formations[0];
+  swap = {"swap", 0.0, 3.0, 4.0, swap.goals_world_m};
+  SyntheticFormation again = {"swap", 5.0, 9.8, 10.0, swap.goals_world_m};
+  again.restarted = true;
+  synthetic_.formations.push_back(again);
+  const Metrics metrics = measure();
+  ASSERT_EQ(metrics.formations.size(), 1u);
+  EXPECT_NEAR(metrics.formations[0].begin_at_s, 0.0, 1e-9);
+  EXPECT_NEAR(metrics.formations[0].end_at_s, 10.0, 1e-9);
 }
 
 TEST_F(MetricsTest, CountsMissingFrames) {
@@ -189,6 +224,18 @@ TEST_F(MetricsTest, MeasuresRateAndJitterByLogTimes) {
   EXPECT_NEAR(metrics.timing.interval_error_s.p50, 0.0, 1e-9);
   EXPECT_NEAR(metrics.timing.interval_error_s.p99, 4e-4, 1e-9);
   EXPECT_NEAR(metrics.timing.interval_error_s.max, 4e-4, 1e-9);
+  EXPECT_TRUE(metrics.timing.steady);
+}
+
+TEST_F(MetricsTest, CallsLateFramesAndLostFramesUnsteady) {
+  passAt(2.0);
+  synthetic_.wall_clock_per_data = 1.0;
+  synthetic_.frame_jitter_us = [](int number) { return number % 10 == 5 ? 1100 : 0; };
+  EXPECT_FALSE(measure().timing.steady);
+  synthetic_.frame_jitter_us = nullptr;
+  EXPECT_TRUE(measure().timing.steady);
+  synthetic_.lost_frames = {103};
+  EXPECT_FALSE(measure().timing.steady);
 }
 
 TEST_F(MetricsTest, MeasuresPlannersByTheirCommandsAndStatuses) {

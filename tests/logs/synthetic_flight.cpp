@@ -21,15 +21,22 @@ constexpr core::Utime kLogEpoch = 1'700'000'000'000'000;
 constexpr int kFramesPerPlannerTick = 20;
 constexpr int kFramesPerFleetTick = 40;
 
-const SyntheticFormation* formationAt(const SyntheticFlight& flight, double at_s, int& step) {
-  for (std::size_t i = 0; i < flight.formations.size(); ++i) {
-    const SyntheticFormation& formation = flight.formations[i];
+/// What the fleet is flying and which goals that has.
+struct Current {
+  const SyntheticFormation* formation = nullptr;
+  int number = -1;  // of goals; a restarted fleet gives the same goals again
+};
+
+Current currentAt(const SyntheticFlight& flight, double at_s) {
+  Current current;
+  for (const SyntheticFormation& formation : flight.formations) {
+    current.number += formation.restarted ? 0 : 1;
     if (at_s >= formation.begin_at_s && at_s < formation.end_at_s) {
-      step = static_cast<int>(i);
-      return &formation;
+      current.formation = &formation;
+      return current;
     }
   }
-  return nullptr;
+  return {};
 }
 
 core::StatesFrame frameAt(const SyntheticFlight& flight, int number) {
@@ -77,14 +84,14 @@ void writePlanners(const SyntheticFlight& flight, LogWriter& log, core::Utime ut
   }
 }
 
-void writeGoals(const SyntheticFlight& flight, const SyntheticFormation& formation, int step,
-                LogWriter& log, core::Utime utime, core::Utime log_utime) {
-  for (std::size_t i = 0; i < formation.goals_world_m.size(); ++i) {
+void writeGoals(const SyntheticFlight& flight, const Current& current, LogWriter& log,
+                core::Utime utime, core::Utime log_utime) {
+  for (std::size_t i = 0; i < current.formation->goals_world_m.size(); ++i) {
     core::Goal goal;
     goal.utime = utime;
     goal.vehicle = flight.vehicles[i].name;
-    goal.goal_id = (step + 1) * 1000 + static_cast<int>(i);
-    goal.position_world_m = formation.goals_world_m[i];
+    goal.goal_id = (current.number + 1) * 1000 + static_cast<int>(i);
+    goal.position_world_m = current.formation->goals_world_m[i];
     goal.phase = core::GoalPhase::kGo;
     log.write(log_utime, bus::goalChannel(goal.vehicle), bus::toMessage(goal));
     log.write(log_utime + 1, bus::goalChannel(goal.vehicle), bus::toMessage(goal));
@@ -94,19 +101,19 @@ void writeGoals(const SyntheticFlight& flight, const SyntheticFormation& formati
 void writeFleet(const SyntheticFlight& flight, LogWriter& log, core::Utime utime,
                 core::Utime log_utime) {
   const double at_s = core::toSeconds(utime - kFirstUtime);
-  int step = -1;
-  const SyntheticFormation* formation = formationAt(flight, at_s, step);
+  const Current current = currentAt(flight, at_s);
+  const int formations = static_cast<int>(flight.formations.size());
+  const bool after = formations > 0 && at_s >= flight.formations.back().end_at_s;
   roundabout_msgs::fleet_status_t status{};
   status.utime = utime;
-  status.step = step;
-  status.num_steps = static_cast<int>(flight.formations.size());
-  const bool after = !flight.formations.empty() && at_s >= flight.formations.back().end_at_s;
+  status.num_steps = flight.by_messages ? 0 : formations + flight.steps_left_out;
+  status.step = flight.by_messages ? 0 : after ? formations : current.number;
   status.phase = after ? static_cast<std::int8_t>(flight.last_phase)
                        : roundabout_msgs::fleet_status_t::TAKE_OFF;
-  if (formation != nullptr) {
+  if (const SyntheticFormation* formation = current.formation) {
     if (utime - kFirstUtime - core::toUtime(formation->begin_at_s) <
         kFrameUs * kFramesPerFleetTick) {
-      writeGoals(flight, *formation, step, log, utime, log_utime);
+      writeGoals(flight, current, log, utime, log_utime);
     }
     status.formation = formation->name;
     status.phase = at_s < formation->formed_at_s ? roundabout_msgs::fleet_status_t::GO

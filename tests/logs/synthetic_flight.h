@@ -29,12 +29,15 @@ struct SyntheticFormation {
   double formed_at_s = 1e9;  ///< never: 1e9
   double end_at_s = 0.0;
   std::vector<Eigen::Vector3d> goals_world_m;  ///< for the first vehicles
+  bool restarted = false;  ///< the step before again, by a fleet process that was restarted
 };
 
 struct SyntheticFlight {
   std::vector<SyntheticVehicle> vehicles;
   std::vector<SyntheticFormation> formations;
   double duration_s = 10.0;
+  bool by_messages = false;  ///< the fleet is told letter by letter: its step never changes
+  int steps_left_out = 0;    ///< of the mission, after the formations
   FleetPhase last_phase = FleetPhase::kDone;  ///< of the statuses after the formations
   double wall_clock_per_data = 0.1;           ///< 1: real time
   core::Utime command_delay_us = 2000;        ///< log time, state to command
