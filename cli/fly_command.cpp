@@ -57,12 +57,26 @@ std::vector<std::string> allOverrides(const FlyOptions& options) {
   return overrides;
 }
 
+// As it can be typed again, seed and policy spelled out.
+std::string commandLine(const FlyOptions& options, const config::Experiment& experiment) {
+  std::string line = fmt::format("./roundabout fly {} --policy {} --seed {}", options.file,
+                                 experiment.planner.policy, experiment.seed);
+  if (options.real_time) {
+    line += " --real-time";
+  }
+  for (const std::string& override_text : options.overrides) {
+    line += " --set '" + override_text + "'";
+  }
+  return line;
+}
+
 int fly(const FlyOptions& options) {
   app::StopSignal stop;
   FlightPlan plan;
   plan.experiment = config::readExperiment(options.file, allOverrides(options));
   plan.lcm_url =
       bus::resolveUrl(options.lcm_url.empty() ? plan.experiment.lcm_url : options.lcm_url);
+  plan.command_line = commandLine(options, plan.experiment);
   plan.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   bus::LcmBus bus(plan.lcm_url);
   plan.folder = makeFlightFolder(plan.experiment, options.folder);

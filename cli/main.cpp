@@ -6,6 +6,8 @@
 
 #include "cli/fly_command.h"
 #include "cli/operator_commands.h"
+#include "logs/log_commands.h"
+#include "planner/policy_tools/policy_commands.h"
 
 int main(int argc, char** argv) {
   constexpr int kCannotStart = 2;
@@ -15,6 +17,8 @@ int main(int argc, char** argv) {
   roundabout::cli::addFlyCommand(app, exit_status);
   roundabout::cli::addOrderCommand(app);
   roundabout::cli::addMissionCommand(app, exit_status);
+  roundabout::logs::addLogCommands(app);
+  roundabout::planner::addPolicyCommands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

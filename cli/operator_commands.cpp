@@ -26,7 +26,7 @@ using roundabout_msgs::fleet_status_t;
 constexpr double kAnswerLimit_s = 1.5;
 
 struct OrderOptions {
-  SafetyOrderKind order = SafetyOrderKind::kHold;
+  std::string order;
   std::string vehicle;
   std::string lcm_url;
 };
@@ -37,12 +37,20 @@ struct MissionOptions {
   std::string lcm_url;
 };
 
+SafetyOrderKind orderCalled(const std::string& name) {
+  static const std::map<std::string, SafetyOrderKind> kOrders{{"hold", SafetyOrderKind::kHold},
+                                                              {"land", SafetyOrderKind::kLand},
+                                                              {"kill", SafetyOrderKind::kKill},
+                                                              {"resume", SafetyOrderKind::kResume}};
+  return kOrders.at(name);
+}
+
 void sendOrder(const OrderOptions& options) {
   bus::LcmBus bus(bus::resolveUrl(options.lcm_url));
   core::SafetyOrder order;
   order.utime = wallTime();
   order.vehicle = options.vehicle;
-  order.order = options.order;
+  order.order = orderCalled(options.order);
   bus::publish(bus, bus::kSafetyOrderChannel, bus::toMessage(order));
 }
 
@@ -88,16 +96,11 @@ int sendMission(const MissionOptions& options) {
 }  // namespace
 
 void addOrderCommand(CLI::App& app) {
-  static const std::map<std::string, SafetyOrderKind> kOrders{{"hold", SafetyOrderKind::kHold},
-                                                              {"land", SafetyOrderKind::kLand},
-                                                              {"kill", SafetyOrderKind::kKill},
-                                                              {"resume", SafetyOrderKind::kResume}};
   CLI::App* command = app.add_subcommand("order", "Order vehicles to hold, land, kill or resume");
   auto options = std::make_shared<OrderOptions>();
   command->add_option("order", options->order, "hold, land, kill (stop the motors) or resume")
       ->required()
-      ->transform(CLI::Transformer(kOrders))
-      ->option_text("hold|land|kill|resume");
+      ->check(CLI::IsMember({"hold", "land", "kill", "resume"}));
   command->add_option("--vehicle", options->vehicle, "Default: all");
   command->add_option("--lcm-url", options->lcm_url, "Default: LCM_DEFAULT_URL");
   command->callback([options] { sendOrder(*options); });

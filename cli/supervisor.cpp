@@ -107,15 +107,13 @@ FlightResult Supervisor::run() {
   const double ended_s = wallSeconds();
   stopProcesses();
 
-  const Progress& progress = monitor_->progress();
   FlightResult result;
   result.states_seen = flying();
   result.mission_done = monitor_->missionDone();
   result.interrupted = stop_.requested();
-  result.closest_separation_m = progress.closest_separation_m;
   result.set_up_s = first_state_s_.value_or(ended_s) - created_s_;
   result.wall_s = ended_s - first_state_s_.value_or(ended_s);
-  result.data_s = progress.elapsed_s();
+  result.data_s = monitor_->progress().elapsed_s();
   result.events = events_;
   if (!director_.reason().empty()) {
     result.events.push_back("ended early: " + director_.reason());

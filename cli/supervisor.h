@@ -24,6 +24,7 @@ struct FlightPlan {
   std::string lcm_url;
   std::filesystem::path folder;    ///< has experiment.yaml in it
   std::filesystem::path programs;  ///< where sim, planner and fleet are
+  std::string command_line;        ///< for the reader of the report
 
   std::filesystem::path logFile() const { return folder / "flight.lcm"; }
 };
@@ -37,8 +38,7 @@ class ChildFailure : public std::runtime_error {
 struct FlightResult {
   bool states_seen = false;
   bool mission_done = false;
-  bool interrupted = false;  ///< by the user
-  double closest_separation_m = 0.0;
+  bool interrupted = false;         ///< by the user
   double set_up_s = 0.0;            ///< wall clock, until the first state
   double wall_s = 0.0;              ///< wall clock, from the first state to the end
   double data_s = 0.0;              ///< data time flown

@@ -1,0 +1,129 @@
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "logs/reading/event_log.h"
+#include "tests/system/flight_lab.h"
+
+namespace roundabout::test {
+namespace {
+
+using roundabout_msgs::planner_status_t;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Fly : public FlightLab {
+ protected:
+  // From take-off on there is something to land.
+  void waitForFlight() {
+    waitUntil("two in the air",
+              [this] { return heightOf("hex1") > 0.5 && heightOf("hex2") > 0.5; });
+  }
+};
+
+TEST_F(Fly, EndsWithStatusZeroAndLeavesLogMetricsReportAndPictures) {
+  const Ended flight = finish(startFlight(twoSwap()));
+  EXPECT_TRUE(flight.status.clean()) << flight.status.describe();
+  EXPECT_THAT(flight.lines, Contains(HasSubstr("1 of 1 formations formed, no bodies touched")));
+  EXPECT_THAT(flight.lines, Contains(HasSubstr(out().string())));
+  for (const char* file : {"experiment.yaml", "flight.lcm", "metrics.json", "report.html",
+                           "logs/sim.log", "logs/fleet.log", "logs/planner_hex1.log",
+                           "logs/planner_hex2.log", "logs/lcm-logger.log"}) {
+    EXPECT_TRUE(std::filesystem::exists(out() / file)) << file;
+  }
+  const auto pictures = std::count_if(
+      std::filesystem::directory_iterator(out()), std::filesystem::directory_iterator(),
+      [](const auto& entry) { return entry.path().extension() == ".png"; });
+  EXPECT_GE(pictures, 2);
+  EXPECT_THAT(leftRunning(), IsEmpty());
+}
+
+TEST_F(Fly, LogsEveryFrameFromTheFirstOn) {
+  finish(startFlight(twoSwap()));
+  std::ifstream file(out() / "metrics.json");
+  const auto metrics = nlohmann::json::parse(file);
+  EXPECT_EQ(metrics["timing"]["missing_frames"], 0);
+  EXPECT_GT(metrics["timing"]["frames"], 200);
+}
+
+TEST_F(Fly, RepeatsStatesAndCommandsByteForByte) {
+  const std::string file = twoSwap();
+  finish(startFlight(file, {"--no-report"}));
+  const auto first = payloadsOf(out() / "flight.lcm");
+  std::filesystem::rename(out(), scratch_ / "first");
+  finish(startFlight(file, {"--no-report"}));
+  const auto second = payloadsOf(out() / "flight.lcm");
+  for (const char* channel : {"VEHICLE_STATES", "COMMAND_hex1", "COMMAND_hex2"}) {
+    ASSERT_FALSE(first.at(channel).empty()) << channel;
+    EXPECT_EQ(first.at(channel).size(), second.at(channel).size()) << channel;
+    EXPECT_TRUE(first.at(channel) == second.at(channel)) << channel << " differs";
+  }
+}
+
+TEST_F(Fly, FliesDifferentlyWithAnotherSeed) {
+  const std::string file = twoSwap();
+  finish(startFlight(file, {"--no-report"}));
+  const auto first = payloadsOf(out() / "flight.lcm");
+  std::filesystem::rename(out(), scratch_ / "first");
+  finish(startFlight(file, {"--no-report", "--seed", "4"}));
+  EXPECT_TRUE(first.at("VEHICLE_STATES") != payloadsOf(out() / "flight.lcm").at("VEHICLE_STATES"));
+}
+
+TEST_F(Fly, LandsAllAndClosesTheLogOnCtrlC) {
+  cli::ChildProcess& flight = startFlight(twoSwap(), {"--real-time"});
+  waitForFlight();
+  flight.signal(SIGINT);
+  const Ended ended = finish(flight);
+  EXPECT_EQ(ended.status.code, 130);
+  EXPECT_THAT(ended.lines, Contains(HasSubstr("landing all: stopped by the user")));
+  EXPECT_EQ(modeOf("hex1"), int{planner_status_t::LANDED});
+  EXPECT_EQ(modeOf("hex2"), int{planner_status_t::LANDED});
+  EXPECT_LT(heightOf("hex1"), 0.1);
+  EXPECT_LT(heightOf("hex2"), 0.1);
+  EXPECT_TRUE(logs::EventLog((out() / "flight.lcm").string()).damage().empty());
+  EXPECT_TRUE(std::filesystem::exists(out() / "report.html"));
+  EXPECT_THAT(leftRunning(), IsEmpty());
+}
+
+TEST_F(Fly, EndsAtOnceOnASecondCtrlC) {
+  cli::ChildProcess& flight = startFlight(twoSwap(), {"--real-time", "--no-report"});
+  waitForFlight();
+  flight.signal(SIGINT);
+  waitUntil("landing", [this] { return modeOf("hex1") == planner_status_t::LANDING; });
+  flight.signal(SIGINT);
+  EXPECT_EQ(finish(flight).status.code, 130);
+  EXPECT_GT(heightOf("hex1"), 0.2);
+  EXPECT_THAT(leftRunning(), IsEmpty());
+}
+
+TEST_F(Fly, LeavesNothingRunningWhenItIsKilled) {
+  cli::ChildProcess& flight = startFlight(twoSwap(), {"--real-time"});
+  waitForFlight();
+  flight.signal(SIGKILL);
+  finish(flight);
+  waitUntil("all processes to end", [this] { return leftRunning().empty(); });
+}
+
+TEST_F(Fly, RefusesToStartIntoAFlight) {
+  cli::ChildProcess& flight = startFlight(twoSwap(), {"--real-time", "--no-report"});
+  waitForFlight();
+  const Ended second = run("roundabout", {"fly", twoSwap(), "--lcm-url", url(), "--out",
+                                          (scratch_ / "second").string()});
+  EXPECT_EQ(second.status.code, 2);
+  EXPECT_THAT(second.lines.back(), HasSubstr("states of another flight"));
+  EXPECT_FALSE(flight.exited());
+}
+
+TEST_F(Fly, SaysThatAMissionWasNotFlown) {
+  const Ended flight = finish(startFlight(twoSwap("fleet: {step_timeout_s: 3.0}\n")));
+  EXPECT_EQ(flight.status.code, 1);
+  EXPECT_THAT(flight.lines, Contains(HasSubstr("0 of 1 formations formed")));
+}
+
+}  // namespace
+}  // namespace roundabout::test
