@@ -1,5 +1,8 @@
 #include "sim/lockstep_pacing.h"
 
+#include <algorithm>
+#include <thread>
+
 #include <spdlog/spdlog.h>
 
 #include "common/bus/messages.h"
@@ -14,6 +17,9 @@ namespace {
 // How late a stop may be noticed.
 constexpr std::chrono::milliseconds kGlance{50};
 constexpr std::chrono::seconds kReminderPeriod{5};
+// Time lost waiting is made up for by a short burst of frames, not by a long one: stock receivers
+// lose what comes while 30 messages wait for them.
+constexpr std::chrono::milliseconds kLongestCatchUp{2};
 
 // The node counts what cannot be decoded.
 void ignore(const bus::DecodeError& /*error*/) {}
@@ -68,7 +74,13 @@ void LockstepPacing::waitForEverybody(const std::function<bool()>& stop) {
 }
 
 void LockstepPacing::run(SimNode& node, const std::function<bool()>& stop) {
+  const auto least_interval =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+          core::toSeconds(node.frameIntervalUs()) / experiment_.sim.lockstep_max_factor));
+  auto earliest = Clock::now();
   while (!node.finished() && !stop()) {
+    std::this_thread::sleep_until(earliest);
+    earliest = std::max(earliest + least_interval, Clock::now() - kLongestCatchUp);
     node.advance();
     barrier_.onFrame(node.nextFrameUtime());
     node.publishFrame();

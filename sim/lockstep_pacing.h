@@ -25,8 +25,9 @@ class LockstepPacing {
   /// is missing after sim.lockstep_start_s.
   void waitForEverybody(const std::function<bool()>& stop);
 
-  /// Publishes frames until the node is finished or stop() is true. Who does not answer a frame
-  /// within sim.lockstep_patience_s is not waited for until it is heard again.
+  /// Publishes frames until the node is finished or stop() is true, no faster than
+  /// sim.lockstep_max_factor times real time. Who does not answer a frame within
+  /// sim.lockstep_patience_s is not waited for until it is heard again.
   void run(SimNode& node, const std::function<bool()>& stop);
 
  private:

@@ -149,6 +149,7 @@ void describe(Visitor& visit, Sim& sim) {
   visit("max_duration_s", sim.max_duration_s, above(0.0));
   visit("lockstep_patience_s", sim.lockstep_patience_s, above(0.0));
   visit("lockstep_start_s", sim.lockstep_start_s, above(0.0));
+  visit("lockstep_max_factor", sim.lockstep_max_factor, above(0.0));
   visit("start_spacing_m", sim.start_spacing_m, above(0.0));
   visit("start_area", sim.start_area);
   visit("unicycle", sim.unicycle);

@@ -21,6 +21,7 @@ config::Experiment oneVehicle() {
   experiment.sim.max_duration_s = 2.0;
   experiment.sim.lockstep_patience_s = 0.05;
   experiment.sim.lockstep_start_s = 0.05;
+  experiment.sim.lockstep_max_factor = 1e6;
   return experiment;
 }
 
@@ -121,6 +122,17 @@ TEST_F(LockstepPacingTest, GoesOnWithoutWhoDoesNotAnswer) {
   bus_.planner_answers_ = false;
   pacing_.run(node_, never);
   EXPECT_EQ(node_.report().frames, 401);
+}
+
+TEST_F(LockstepPacingTest, IsNotFasterThanAllowed) {
+  config::Experiment experiment = oneVehicle();
+  experiment.sim.max_duration_s = 0.5;
+  experiment.sim.lockstep_max_factor = 10.0;
+  SimNode node(experiment, bus_, LockstepPacing::kFirstUtime);
+  LockstepPacing pacing(experiment, bus_);
+  const auto begin = std::chrono::steady_clock::now();
+  pacing.run(node, never);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(47));
 }
 
 TEST_F(LockstepPacingTest, StopsWhenTold) {

@@ -56,6 +56,7 @@ inline Experiment oneOfEverything() {
   e.sim.max_duration_s = 120.0;
   e.sim.lockstep_patience_s = 3.0;
   e.sim.lockstep_start_s = 10.0;
+  e.sim.lockstep_max_factor = 50.0;
   e.sim.start_spacing_m = 1.25;
   e.sim.start_area = {{-3.0, -2.0}, {3.0, 2.0}};
   e.sim.unicycle.max_turn_rate_radps = 2.5;
