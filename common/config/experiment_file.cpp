@@ -32,10 +32,11 @@ std::string withAbsoluteWeights(const std::string& policy, const std::filesystem
 
 Experiment readExperiment(const std::string& path, const std::vector<std::string>& overrides) {
   std::ifstream file(path);
-  const bool is_folder = std::filesystem::is_directory(path);
-  if (!file || is_folder) {
-    throw core::StartupError(path, "experiment", "a file that can be read",
-                             is_folder ? "a folder" : std::strerror(errno));
+  if (!file) {
+    throw core::StartupError(path, "experiment", "a file that can be read", std::strerror(errno));
+  }
+  if (std::filesystem::is_directory(path)) {
+    throw core::StartupError(path, "experiment", "a file that can be read", "a folder");
   }
   std::ostringstream text;
   text << file.rdbuf();

@@ -68,9 +68,9 @@ TEST(Messages, EveryModePhaseAndOrderIsKnown) {
     ASSERT_EQ(fromMessage(message, command), nullptr);
     EXPECT_EQ(toMessage(command).mode, mode);
   }
-  EXPECT_EQ(static_cast<int>(core::GoalPhase::kLand), roundabout_msgs::goal_t::LAND);
+  EXPECT_EQ(static_cast<int>(core::GoalPhase::kLand), int{roundabout_msgs::goal_t::LAND});
   EXPECT_EQ(static_cast<int>(core::SafetyOrderKind::kResume),
-            roundabout_msgs::safety_order_t::RESUME);
+            int{roundabout_msgs::safety_order_t::RESUME});
 }
 
 // ---- what is not acceptable
