@@ -115,7 +115,7 @@ void Coordinator::refuse(std::int64_t mission_id, const std::string& reason) {
 
 Coordinator::Output Coordinator::tick(const core::StatesFrame& frame) {
   outbox_.clear();
-  tick_seconds_ = last_tick_ > 0 ? core::toSeconds(frame.utime - last_tick_) : 0.0;
+  tick_time_ = last_tick_ > 0 ? frame.utime - last_tick_ : 0;
   last_tick_ = frame.utime;
   applyFrame(frame);
   applyReports(frame.utime);
@@ -204,8 +204,8 @@ std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const
 }
 
 void Coordinator::begin(core::Utime now) {
-  step_seconds_ = 0.0;
-  formed_seconds_ = 0.0;
+  step_time_ = 0;
+  formed_time_ = 0;
   if (live_) {
     if (auto refusal = cannotBegin(step())) {
       refuse(live_count_, *refusal);
@@ -379,7 +379,7 @@ bool Coordinator::atGoal(std::size_t vehicle) const {
 bool Coordinator::complete(core::Utime now) const {
   const Step& current = step();
   if (current.verb == Verb::kHold || current.verb == Verb::kWait) {
-    return step_seconds_ >= current.seconds;
+    return core::toSeconds(step_time_) >= current.seconds;
   }
   if (current.verb == Verb::kGoTo) {
     return out(current.vehicle, now) || atGoal(current.vehicle);
@@ -405,10 +405,11 @@ void Coordinator::advance(core::Utime now) {
     somebody_holds = somebody_holds || (!is_out && holding(i));
   }
   if (!somebody_holds) {
-    step_seconds_ += tick_seconds_;
+    step_time_ += tick_time_;
   }
   if (!failure_.empty()) {
-    if (allOnFloor() || everybody_out || step_seconds_ > experiment_.fleet.step_timeout_s) {
+    if (allOnFloor() || everybody_out ||
+        core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
       phase_ = Phase::kFailed;
     }
     return;
@@ -423,8 +424,8 @@ void Coordinator::advance(core::Utime now) {
 void Coordinator::checkStep(core::Utime now) {
   const Step& current = step();
   if (current.verb == Verb::kFormation && phase_ == Phase::kHold) {
-    formed_seconds_ += tick_seconds_;
-    if (formed_seconds_ >= current.seconds) {
+    formed_time_ += tick_time_;
+    if (core::toSeconds(formed_time_) >= current.seconds) {
       next(now);
     }
     return;
@@ -438,7 +439,7 @@ void Coordinator::checkStep(core::Utime now) {
     return;
   }
   const bool timed = current.verb != Verb::kHold && current.verb != Verb::kWait;
-  if (timed && step_seconds_ > experiment_.fleet.step_timeout_s) {
+  if (timed && core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
     fail(now, fmt::format("{} was not complete after {:.0f} s: {}",
                           current.name.empty() ? "the step" : "\"" + current.name + "\"",
                           experiment_.fleet.step_timeout_s, whoIsMissing()));
@@ -448,7 +449,7 @@ void Coordinator::checkStep(core::Utime now) {
 void Coordinator::fail(core::Utime now, const std::string& reason) {
   failure_ = reason;
   queue_.clear();
-  step_seconds_ = 0.0;
+  step_time_ = 0;
   phase_ = Phase::kLand;
   sendAllDown(now);
 }
@@ -486,7 +487,7 @@ FleetStatus Coordinator::status(core::Utime now) const {
     status.formation = step().name;
   }
   if (phase_ != Phase::kWaiting) {
-    status.step = static_cast<int>(index_);
+    status.step = std::min(static_cast<int>(index_), status.num_steps - 1);
   }
   for (std::size_t i = 0; i < members_.size(); ++i) {
     Progress progress;

@@ -157,9 +157,9 @@ class Coordinator {
   std::size_t index_ = 0;  // of the file's step
   bool file_finished_ = false;
   core::Utime last_tick_ = 0;
-  double tick_seconds_ = 0.0;    // data time since the last tick
-  double step_seconds_ = 0.0;    // without the time in which a vehicle held
-  double formed_seconds_ = 0.0;  // since the formation was complete
+  core::Utime tick_time_ = 0;    // data time since the last tick
+  core::Utime step_time_ = 0;    // without the time in which a vehicle held
+  core::Utime formed_time_ = 0;  // since the formation was complete
   std::string failure_;
 };
 

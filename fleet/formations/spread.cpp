@@ -67,39 +67,37 @@ std::vector<Sample> samplesOf(const std::vector<Stroke>& strokes) {
   return samples;
 }
 
+/// Indices of samples.
+using Chosen = std::vector<std::size_t>;
+
 double squaredDistance(const Sample& a, const Sample& b) {
   return (a.position - b.position).squaredNorm();
 }
 
-/// Squared distance to the nearest of the chosen; index of that in `nearest` if wanted.
-double toNearest(const std::vector<Sample>& samples, const std::vector<std::size_t>& chosen,
-                 std::size_t from, std::size_t except = SIZE_MAX, std::size_t* nearest = nullptr) {
-  double best = std::numeric_limits<double>::infinity();
+struct Nearest {
+  std::size_t index;  ///< into the chosen
+  double squared_distance;
+};
+
+Nearest nearest(const std::vector<Sample>& samples, const Chosen& chosen, std::size_t from) {
+  Nearest best{0, std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const double distance = squaredDistance(samples[from], samples[chosen[i]]);
-    if (i != except && distance < best) {
-      best = distance;
-      if (nearest != nullptr) {
-        *nearest = i;
-      }
+    if (distance < best.squared_distance) {
+      best = {i, distance};
     }
   }
   return best;
 }
 
-/// Farthest-point sampling, beginning with the sample that is farthest from the middle.
-std::vector<std::size_t> farthestPoints(const std::vector<Sample>& samples, std::size_t count) {
-  Sample middle{Eigen::Vector2d::Zero(), 0.0, false};
-  for (const Sample& sample : samples) {
-    middle.position += sample.position / static_cast<double>(samples.size());
-  }
-  std::vector<std::size_t> chosen;
+/// Farthest-point sampling, beginning with `first`.
+Chosen farthestPoints(const std::vector<Sample>& samples, std::size_t first, std::size_t count) {
+  Chosen chosen{first};
   while (chosen.size() < count) {
     std::size_t best = 0;
     double best_distance = -1.0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double distance =
-          chosen.empty() ? squaredDistance(samples[i], middle) : toNearest(samples, chosen, i);
+      const double distance = nearest(samples, chosen, i).squared_distance;
       if (distance > best_distance + kSamePlace) {
         best = i;
         best_distance = distance;
@@ -110,10 +108,10 @@ std::vector<std::size_t> farthestPoints(const std::vector<Sample>& samples, std:
   return chosen;
 }
 
-/// The member of a cell with the least weighted squared distance to all members.
+/// The member of a cell with the least weighted squared distance to all members: the one nearest
+/// to their weighted mean.
 std::size_t medoid(const std::vector<Sample>& samples, const std::vector<std::size_t>& cell,
                    std::size_t current) {
-  // The weighted squared distance to all is least at the sample nearest to the weighted mean.
   Sample mean{Eigen::Vector2d::Zero(), 0.0, false};
   for (const std::size_t i : cell) {
     mean.position += samples[i].weight * samples[i].position;
@@ -122,15 +120,42 @@ std::size_t medoid(const std::vector<Sample>& samples, const std::vector<std::si
   mean.position /= mean.weight;
   std::size_t best = current;
   for (const std::size_t i : cell) {
-    if (squaredDistance(samples[i], mean) < squaredDistance(samples[best], mean) - 1e-12) {
+    if (squaredDistance(samples[i], mean) < squaredDistance(samples[best], mean) - kSamePlace) {
       best = i;
     }
   }
   return best;
 }
 
-std::vector<Eigen::Vector2d> positionsOf(const std::vector<Sample>& samples,
-                                         const std::vector<std::size_t>& chosen) {
+/// Weighted squared distance of the whole shape to the chosen.
+double cost(const std::vector<Sample>& samples, const Chosen& chosen) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    sum += samples[i].weight * nearest(samples, chosen, i).squared_distance;
+  }
+  return sum;
+}
+
+/// Lloyd's iteration with medoids: moves each point to the middle of what it is nearest to.
+Chosen settle(const std::vector<Sample>& samples, Chosen chosen) {
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::vector<std::vector<std::size_t>> cells(chosen.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      cells[nearest(samples, chosen, i).index].push_back(i);
+    }
+    Chosen moved;
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      moved.push_back(cells[k].empty() ? chosen[k] : medoid(samples, cells[k], chosen[k]));
+    }
+    if (moved == chosen) {
+      break;
+    }
+    chosen = moved;
+  }
+  return chosen;
+}
+
+std::vector<Eigen::Vector2d> positionsOf(const std::vector<Sample>& samples, const Chosen& chosen) {
   std::vector<Eigen::Vector2d> positions;
   for (const std::size_t i : chosen) {
     positions.push_back(samples[i].position);
@@ -149,46 +174,48 @@ std::vector<Eigen::Vector2d> spreadForShape(const std::vector<Stroke>& strokes, 
   for (Sample& sample : samples) {
     sample.weight += sample.salient ? kSalientShare * length / static_cast<double>(count) : 0.0;
   }
-  std::vector<std::size_t> chosen = farthestPoints(samples, count);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    std::vector<std::vector<std::size_t>> cells(count);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      std::size_t nearest = 0;
-      toNearest(samples, chosen, i, SIZE_MAX, &nearest);
-      cells[nearest].push_back(i);
+  // Lloyd's iteration ends in the next local optimum: begin at every end and corner, keep the best.
+  Chosen best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t first = 0; first < samples.size(); ++first) {
+    if (first > 0 && !samples[first].salient) {
+      continue;
     }
-    std::vector<std::size_t> moved;
-    for (std::size_t k = 0; k < count; ++k) {
-      moved.push_back(cells[k].empty() ? chosen[k] : medoid(samples, cells[k], chosen[k]));
+    const Chosen chosen = settle(samples, farthestPoints(samples, first, count));
+    if (const double found = cost(samples, chosen); found < least - kSamePlace) {
+      least = found;
+      best = chosen;
     }
-    if (moved == chosen) {
-      break;
-    }
-    chosen = moved;
   }
-  return positionsOf(samples, chosen);
+  return positionsOf(samples, best);
 }
 
 std::vector<Eigen::Vector2d> spreadForSpacing(const std::vector<Stroke>& strokes,
                                               std::vector<Eigen::Vector2d> start) {
   const std::vector<Sample> samples = samplesOf(strokes);
-  std::vector<std::size_t> chosen = farthestPoints(samples, start.size());
-  // Each point in turn moves to where its nearest neighbour is farthest.
-  for (int round = 0; round < kMaxRounds; ++round) {
-    bool moved = false;
+  const auto gap = [&](const Chosen& chosen, std::size_t moving, std::size_t candidate) {
+    double closest = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < chosen.size(); ++k) {
-      double best_distance = toNearest(samples, chosen, chosen[k], k);
+      if (k != moving) {
+        closest = std::min(closest, squaredDistance(samples[candidate], samples[chosen[k]]));
+      }
+    }
+    return closest;
+  };
+  Chosen chosen = farthestPoints(samples, 0, start.size());
+  // Each point in turn moves to where its nearest neighbour is farthest.
+  bool moved = true;
+  for (int round = 0; moved && round < kMaxRounds; ++round) {
+    moved = false;
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      double best = gap(chosen, k, chosen[k]);
       for (std::size_t i = 0; i < samples.size(); ++i) {
-        const double distance = toNearest(samples, chosen, i, k);
-        if (distance > best_distance + kSamePlace) {
-          best_distance = distance;
+        if (const double candidate = gap(chosen, k, i); candidate > best + kSamePlace) {
+          best = candidate;
           chosen[k] = i;
           moved = true;
         }
       }
-    }
-    if (!moved) {
-      break;
     }
   }
   std::vector<Eigen::Vector2d> spaced = positionsOf(samples, chosen);

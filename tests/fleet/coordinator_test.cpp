@@ -1,0 +1,375 @@
+#include "fleet/coordinator.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/core/error.h"
+#include "tests/fleet/small_fleet.h"
+
+namespace roundabout::fleet {
+namespace {
+
+/// A fleet whose vehicles obey at once: on every tick each is at the goal it was given on the tick
+/// before.
+class Flight {
+ public:
+  explicit Flight(config::Experiment described)
+      : experiment(std::move(described)), coordinator(experiment) {
+    for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+      core::VehicleState state;
+      state.name = experiment.vehicles[i].name;
+      state.position_world_m = {2.0 * static_cast<double>(i), -5.0, 0.0};
+      state.tracked = true;
+      vehicles.push_back(state);
+      reports.push_back({1, PlannerMode::kOnFloor, 0});
+      stuck.push_back(false);
+      silent.push_back(false);
+    }
+  }
+
+  FleetStatus tick() {
+    now += 200'000;
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      if (!silent[i]) {
+        reports[i].utime = now - 100'000;
+        coordinator.onPlanner(i, reports[i]);
+      }
+    }
+    core::StatesFrame frame;
+    frame.utime = now;
+    frame.vehicles = vehicles;
+    const Coordinator::Output output = coordinator.tick(frame);
+    for (const core::Goal& goal : output.goals) {
+      obey(goal);
+    }
+    goals = output.goals;
+    status = output.status;
+    history.push_back(status);
+    return status;
+  }
+
+  FleetStatus run(double seconds) {
+    for (double t = 0.0; t < seconds; t += 0.2) {
+      tick();
+    }
+    return status;
+  }
+
+  /// Ticks until the phase, at most a minute.
+  bool runUntil(Phase phase, const std::string& name = "") {
+    for (int i = 0; i < 600; ++i) {
+      tick();
+      if (status.phase == phase && status.formation == name) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void obey(const core::Goal& goal) {
+    for (std::size_t i = 0; i < vehicles.size(); ++i) {
+      if (vehicles[i].name != goal.vehicle || silent[i]) {
+        continue;
+      }
+      reports[i].goal_id = goal.goal_id;
+      if (stuck[i]) {
+        continue;
+      }
+      vehicles[i].position_world_m = goal.position_world_m;
+      reports[i].mode = PlannerMode::kAtGoal;
+      if (goal.phase == core::GoalPhase::kLand) {
+        vehicles[i].position_world_m.z() = 0.0;
+        reports[i].mode = PlannerMode::kLanded;
+      }
+    }
+  }
+
+  config::Experiment experiment;
+  Coordinator coordinator;
+  std::vector<core::VehicleState> vehicles;
+  std::vector<PlannerReport> reports;
+  std::vector<bool> stuck;
+  std::vector<bool> silent;
+  std::vector<core::Goal> goals;
+  FleetStatus status;
+  std::vector<FleetStatus> history;
+  core::Utime now = 1'000'000;
+};
+
+config::Experiment withMission(std::vector<config::MissionStep> mission, int count = 3) {
+  config::Experiment experiment = smallFleet(count);
+  experiment.mission = std::move(mission);
+  return experiment;
+}
+
+config::Experiment spelling(const std::string& text) {
+  return withMission({verb("take_off"), verb("spell", text), verb("land")});
+}
+
+TEST(Coordinator, FliesAWordFromTheFloorToTheFloor) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  EXPECT_EQ(flight.status.vehicles_at_goal, 3);
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "I"));
+  ASSERT_TRUE(flight.runUntil(Phase::kDone));
+  EXPECT_EQ(flight.status.num_steps, 4);
+}
+
+TEST(Coordinator, StaysInAFormationForItsTime) {
+  Flight flight(spelling("H"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  const core::Utime formed = flight.now;
+  ASSERT_TRUE(flight.runUntil(Phase::kLand));
+  EXPECT_EQ(flight.now - formed, 2'000'000);
+}
+
+TEST(Coordinator, WaitsUntilEveryPlannerHasStates) {
+  Flight flight(spelling("H"));
+  flight.silent[1] = true;
+  EXPECT_EQ(flight.run(3.0).phase, Phase::kWaiting);
+  EXPECT_EQ(flight.status.reason, "waits for v2's planner");
+  flight.silent[1] = false;
+  EXPECT_TRUE(flight.runUntil(Phase::kTakeOff));
+}
+
+TEST(Coordinator, ReportsFromThisTickCountFromTheNext) {
+  Flight flight(spelling("H"));
+  core::StatesFrame frame;
+  frame.utime = 2'000'000;
+  frame.vehicles = flight.vehicles;
+  for (std::size_t i = 0; i < 3; ++i) {
+    flight.coordinator.onPlanner(i, {2'000'000, PlannerMode::kOnFloor, 0});
+  }
+  EXPECT_EQ(flight.coordinator.tick(frame).status.phase, Phase::kWaiting);
+  frame.utime = 2'200'000;
+  EXPECT_EQ(flight.coordinator.tick(frame).status.phase, Phase::kTakeOff);
+}
+
+TEST(Coordinator, TakesEachVehicleUpAboveItsPlace) {
+  Flight flight(spelling("H"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  ASSERT_EQ(flight.goals.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(flight.goals[i].phase, core::GoalPhase::kTakeOff);
+    EXPECT_EQ(flight.goals[i].position_world_m,
+              Eigen::Vector3d(2.0 * static_cast<double>(i), -5.0, 1.0));
+    EXPECT_EQ(flight.goals[i].goal_id, 1000 + static_cast<std::int64_t>(i));
+    EXPECT_EQ(flight.goals[i].utime, flight.now);
+  }
+}
+
+TEST(Coordinator, RepeatsGoalsOnceASecondUnchanged) {
+  Flight flight(spelling("H"));
+  flight.stuck = {true, true, true};
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  const core::Utime decided = flight.now;
+  int repeated = 0;
+  for (int i = 0; i < 25; ++i) {
+    flight.tick();
+    for (const core::Goal& goal : flight.goals) {
+      EXPECT_EQ(goal.utime, decided);
+      ++repeated;
+    }
+  }
+  EXPECT_EQ(repeated, 3 * 5);
+}
+
+TEST(Coordinator, GivesPointsInOrderWhenAsked) {
+  config::Experiment experiment =
+      withMission({verb("take_off"), formation("swap", {{4, 0, 1}, {2, 0, 1}, {0, 0, 1}})});
+  experiment.fleet.assignment = "in_order";
+  Flight flight(experiment);
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "swap"));
+  EXPECT_EQ(flight.vehicles[0].position_world_m, Eigen::Vector3d(4, 0, 1));
+  EXPECT_EQ(flight.vehicles[2].position_world_m, Eigen::Vector3d(0, 0, 1));
+}
+
+TEST(Coordinator, VehiclesWithoutAPointStayWhereTheyAre) {
+  config::Experiment experiment = withMission({verb("take_off"), formation("one", {{4, 4, 1}})});
+  experiment.fleet.assignment = "in_order";
+  Flight flight(experiment);
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "one"));
+  EXPECT_EQ(flight.vehicles[1].position_world_m, Eigen::Vector3d(2, -5, 1));
+}
+
+TEST(Coordinator, AFormationThatIsNotCompleteInTimeEndsTheFlightOnTheFloor) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  flight.stuck[2] = true;
+  flight.run(59.0);
+  EXPECT_EQ(flight.status.phase, Phase::kGo);
+  flight.run(2.0);
+  flight.stuck[2] = false;
+  flight.run(2.0);
+  EXPECT_EQ(flight.status.phase, Phase::kFailed);
+  EXPECT_NE(flight.status.reason.find("\"H\" was not complete after 60 s: v3 is"),
+            std::string::npos)
+      << flight.status.reason;
+  EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 0.0);
+}
+
+TEST(Coordinator, TimeStandsStillWhileAVehicleHolds) {
+  Flight flight(spelling("H"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  flight.stuck[2] = true;
+  ASSERT_TRUE(flight.runUntil(Phase::kGo, "H"));
+  flight.reports[2].mode = PlannerMode::kHolding;
+  EXPECT_EQ(flight.run(200.0).phase, Phase::kGo);
+  EXPECT_EQ(flight.status.reason, "v3 holds");
+}
+
+TEST(Coordinator, GoesOnWithoutAVehicleWhosePlannerDied) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  flight.silent[1] = true;
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "I"));
+  EXPECT_EQ(flight.status.reason, "out: v2 (planner silent)");
+  EXPECT_EQ(flight.status.vehicles_at_goal, 2);
+}
+
+TEST(Coordinator, FailsWhenAllWereLandedByTheOperator) {
+  Flight flight(spelling("H"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  flight.run(0.4);
+  for (std::size_t i = 0; i < 3; ++i) {
+    flight.stuck[i] = true;
+    flight.vehicles[i].position_world_m.z() = 0.0;
+    flight.reports[i].mode = PlannerMode::kLanded;
+  }
+  flight.run(1.0);
+  EXPECT_EQ(flight.status.phase, Phase::kFailed);
+  EXPECT_NE(flight.status.reason.find("no vehicle is left"), std::string::npos);
+}
+
+TEST(Coordinator, ARestartedFleetTakesOverAtTheSameStepWithTheSameGoals) {
+  Flight flight(spelling("HIT"));
+  ASSERT_TRUE(flight.runUntil(Phase::kGo, "I"));
+  const std::vector<core::Goal> before = flight.goals;
+  ASSERT_EQ(before.size(), 3u);
+
+  Flight second(spelling("HIT"));
+  second.now = flight.now + 3'000'000;
+  second.vehicles = flight.vehicles;
+  second.reports = flight.reports;
+  second.stuck = {true, true, true};
+  second.tick();
+  ASSERT_EQ(second.status.phase, Phase::kGo);
+  EXPECT_EQ(second.status.formation, "I");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(second.goals[i].goal_id, before[i].goal_id);
+    EXPECT_EQ(second.goals[i].position_world_m, before[i].position_world_m);
+  }
+}
+
+TEST(Coordinator, ARestartDuringALiveMissionLeavesTheGoalsAlone) {
+  Flight flight(withMission({}));
+  for (PlannerReport& report : flight.reports) {
+    report.goal_id = 1'003'000;
+  }
+  flight.run(2.0);
+  EXPECT_EQ(flight.status.phase, Phase::kIdle);
+  EXPECT_TRUE(flight.goals.empty());
+}
+
+TEST(Coordinator, FliesALiveMissionStepByStep) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  ASSERT_EQ(flight.status.phase, Phase::kIdle);
+  flight.coordinator.onMission(1, verb("take_off"));
+  flight.coordinator.onMission(2, verb("spell", "T"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "T"));
+  EXPECT_GE(flight.goals.size() + flight.reports.size(), 3u);
+  EXPECT_GE(flight.reports[0].goal_id, 1'000'000);
+  ASSERT_TRUE(flight.runUntil(Phase::kIdle));
+  flight.coordinator.onMission(3, verb("land"));
+  ASSERT_TRUE(flight.runUntil(Phase::kIdle));
+  EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 0.0);
+}
+
+TEST(Coordinator, ALiveLandDropsWhatIsQueuedAndTheFilesMission) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  flight.coordinator.onMission(1, verb("spell", "AB"));
+  flight.coordinator.onMission(2, verb("land"));
+  flight.run(10.0);
+  EXPECT_EQ(flight.status.phase, Phase::kIdle);
+  EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 0.0);
+}
+
+TEST(Coordinator, RefusalsSayWhy) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  flight.coordinator.onMission(4, verb("dance"));
+  flight.coordinator.onMission(5, formation("x", {{0, 0, 1}, {0, 0.4, 1}}));
+  flight.coordinator.onMission(6, verb("spell", "H"));
+  config::MissionStep go_to = verb("go_to");
+  go_to.vehicle = "v9";
+  go_to.points_m = {{0, 0, 1}};
+  flight.coordinator.onMission(7, go_to);
+  flight.tick();
+  ASSERT_EQ(flight.status.refusals.size(), 4u);
+  EXPECT_NE(flight.status.refusals[0].find("\"dance\" is no verb"), std::string::npos);
+  EXPECT_EQ(flight.status.refusals[1],
+            "mission 5: goals 1 and 2 are 0.40 m apart and must be 1.10 m");
+  EXPECT_NE(flight.status.refusals[2].find("take off first"), std::string::npos);
+  EXPECT_NE(flight.status.refusals[3].find("no vehicle \"v9\""), std::string::npos);
+}
+
+TEST(Coordinator, AGoToOntoAnothersGoalIsRefused) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  flight.coordinator.onMission(1, verb("take_off"));
+  flight.run(3.0);
+  config::MissionStep go_to = verb("go_to");
+  go_to.vehicle = "v1";
+  go_to.points_m = {{2.0, -5.5, 1.0}};  // v2 is at (2, -5)
+  flight.coordinator.onMission(2, go_to);
+  flight.run(1.0);
+  ASSERT_EQ(flight.status.refusals.size(), 1u);
+  EXPECT_NE(flight.status.refusals[0].find("0.50 m from v2's goal"), std::string::npos);
+  EXPECT_EQ(flight.status.phase, Phase::kIdle);
+}
+
+TEST(Coordinator, KeepsTheLatestTenRefusals) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  for (int i = 0; i < 25; ++i) {
+    flight.coordinator.onMission(i, verb("dance"));
+  }
+  flight.tick();
+  ASSERT_EQ(flight.status.refusals.size(), 10u);
+  EXPECT_EQ(flight.status.refusals.back().find("mission 24:"), 0u);
+}
+
+TEST(Coordinator, AFilesMissionThatCannotBeFlownEndsTheStart) {
+  const auto expectStartupError = [](const config::Experiment& experiment,
+                                     const std::string& text) {
+    try {
+      Coordinator coordinator(experiment);
+      FAIL() << text;
+    } catch (const core::StartupError& error) {
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  };
+  expectStartupError(withMission({verb("take_off"), formation("x", {{0, 0, 1}, {0, 0.4, 1}})}),
+                     "mission[1].formation: expected something that can be flown, found goals 1 "
+                     "and 2 are 0.40 m apart and must be 1.10 m");
+  expectStartupError(withMission({verb("take_off"), formation("x", {{0, 0, 1}, {3, 0, 1}})}, 1),
+                     "2 goals are more than 1 vehicles");
+  expectStartupError(withMission({verb("spell", "A")}), "take_off before anything in the air");
+  expectStartupError(withMission({verb("take_off"), verb("spell", "A\x07")}), "no strokes");
+}
+
+TEST(Coordinator, VehiclesThatDriveNeedNoTakeOff) {
+  config::Experiment experiment = withMission({formation("x", {{0, 0, 1}, {3, 0, 1}, {6, 0, 1}})});
+  for (config::Vehicle& vehicle : experiment.vehicles) {
+    vehicle.model = "unicycle";
+  }
+  Flight flight(experiment);
+  EXPECT_TRUE(flight.runUntil(Phase::kHold, "x"));
+}
+
+}  // namespace
+}  // namespace roundabout::fleet
