@@ -10,10 +10,10 @@ namespace {
 // is, the more often no velocity keeps every half-plane, which costs most.
 void orcaQuery(benchmark::State& state) {
   core::RandomStream random(1, "bench");
-  std::vector<Scene> scenes;
-  for (int i = 0; i < 1000; ++i) {
-    scenes.push_back(randomScene(random, static_cast<std::size_t>(state.range(0)),
-                                 static_cast<double>(state.range(1)) / 10.0));
+  std::vector<Scene> scenes(1000);
+  for (Scene& scene : scenes) {
+    scene = randomScene(random, static_cast<std::size_t>(state.range(0)),
+                        static_cast<double>(state.range(1)) / 10.0);
   }
   const auto policy = makeOrca({});
   std::size_t next = 0;

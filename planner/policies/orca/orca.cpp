@@ -21,7 +21,7 @@ using Eigen::Vector2d;
 constexpr double kShare = 0.5;
 
 // Slower is standing, and has no direction.
-constexpr double kStanding_mps = 1e-9;
+constexpr double kStandingMps = 1e-9;
 
 // As fast as preferred, but not beyond the goal within a step.
 Vector2d preferredVelocity(const core::EgoAgent& ego, double time_step_s) {
@@ -105,7 +105,7 @@ class Orca final : public Policy {
     Decision decision;
     decision.neighbours_used = static_cast<int>(neighbours_.size());
     const double speed = velocity.norm();
-    if (speed < kStanding_mps) {
+    if (speed < kStandingMps) {
       return decision;
     }
     decision.speed_mps = std::min(speed, ego.preferred_speed_mps);

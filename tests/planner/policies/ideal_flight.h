@@ -16,8 +16,8 @@ namespace roundabout::planner {
 /// They go on after they have reached their goals.
 class IdealFlight {
  public:
-  static constexpr double kStep_s = 0.1;
-  static constexpr double kGoalDistance_m = 0.2;
+  static constexpr double kStepS = 0.1;
+  static constexpr double kGoalDistanceM = 0.2;
 
   /// Standing, heading toward its goal.
   void add(core::EgoAgent start, std::unique_ptr<Policy> policy) {
@@ -29,7 +29,7 @@ class IdealFlight {
 
   /// Until all have been at their goals or the time is up.
   void flyFor(double duration_s) {
-    for (double time_s = 0.0; time_s < duration_s && !allArrived(); time_s += kStep_s) {
+    for (double time_s = 0.0; time_s < duration_s && !allArrived(); time_s += kStepS) {
       flyStep();
     }
   }
@@ -82,9 +82,9 @@ class IdealFlight {
     ego.heading_world_rad = core::wrapToPi(ego.heading_world_rad + decision.heading_change_rad);
     ego.velocity_world_mps = decision.speed_mps * Eigen::Vector2d(std::cos(ego.heading_world_rad),
                                                                   std::sin(ego.heading_world_rad));
-    ego.position_world_m += ego.velocity_world_mps * kStep_s;
+    ego.position_world_m += ego.velocity_world_mps * kStepS;
     agent.arrived =
-        agent.arrived || (ego.goal_world_m - ego.position_world_m).norm() <= kGoalDistance_m;
+        agent.arrived || (ego.goal_world_m - ego.position_world_m).norm() <= kGoalDistanceM;
   }
 
   std::vector<Agent> agents_;

@@ -117,6 +117,25 @@ TEST(Orca, StandsOnTheGoalAndKeepsItsHeading) {
   EXPECT_EQ(decision.heading_change_rad, 0.0);
 }
 
+TEST(Orca, TakesHalfOfTheChangeThatIsNeeded) {
+  PolicyOptions options;
+  options.orca.radius_factor = 1.0;
+  options.orca.right_bias_rad = 0.0;
+  const core::OtherAgent ahead{{4.0, 0.0}, {0.0, 0.0}, 0.5};
+  const Decision decision = makeOrca(options)->decide(agent({0.0, 0.0}, {9.0, 0.0}), {&ahead, 1});
+  // 3 m are free, for both together and for the horizon of 5 s.
+  EXPECT_NEAR(decision.speed_mps, 0.3, 1e-9);
+  EXPECT_NEAR(decision.heading_change_rad, 0.0, 1e-9);
+}
+
+TEST(Orca, LeansToTheRightOnlyWhereItCannotGoStraight) {
+  const core::EgoAgent ego = agent({0.0, 0.0}, {9.0, 0.0});
+  const core::OtherAgent ahead{{4.0, 0.0}, {0.0, 0.0}, 0.5};
+  EXPECT_LT(makeOrca({})->decide(ego, {&ahead, 1}).heading_change_rad, -0.1);
+  const core::OtherAgent aside{{4.0, 8.0}, {0.0, 0.0}, 0.5};
+  EXPECT_NEAR(makeOrca({})->decide(ego, {&aside, 1}).heading_change_rad, 0.0, 1e-9);
+}
+
 TEST(Orca, TurnsInPlaceWhereTheTurnIsSharperThanTheLimit) {
   PolicyOptions options;
   options.orca.max_heading_change_rad = 0.5;

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kHorizon_s = 5.0;
-constexpr double kStep_s = 0.1;
+constexpr double kHorizonS = 5.0;
+constexpr double kStepS = 0.1;
 
 struct Pair {
   Vector2d position_m;
@@ -31,7 +31,7 @@ Pair randomPair(core::RandomStream& random) {
 }
 
 std::optional<Escape> escapeOf(const Pair& pair) {
-  return escapeFrom(pair.position_m, pair.velocity_mps, pair.radius_m, kHorizon_s, kStep_s);
+  return escapeFrom(pair.position_m, pair.velocity_mps, pair.radius_m, kHorizonS, kStepS);
 }
 
 bool overlap(const Pair& pair) { return pair.position_m.norm() <= pair.radius_m; }
@@ -39,12 +39,12 @@ bool overlap(const Pair& pair) { return pair.position_m.norm() <= pair.radius_m;
 // The definition: how near the discs' edges come to each other within the horizon; for discs that
 // overlap, how near they are at the end of the step. Negative inside the velocity obstacle.
 double closestGap(const Pair& pair, const Vector2d& relative_velocity) {
-  double time = kStep_s;
+  double time = kStepS;
   if (!overlap(pair)) {
     const double speed_squared = relative_velocity.squaredNorm();
     const double nearest =
         speed_squared > 0.0 ? pair.position_m.dot(relative_velocity) / speed_squared : 0.0;
-    time = std::clamp(nearest, 0.0, kHorizon_s);
+    time = std::clamp(nearest, 0.0, kHorizonS);
   }
   return (pair.position_m - time * relative_velocity).norm() - pair.radius_m;
 }
@@ -90,32 +90,32 @@ TEST(VelocityObstacle, NoShorterChangeReachesTheEdge) {
 }
 
 TEST(VelocityObstacle, HeadOnBothEscapeToTheirRight) {
-  const Escape mine = *escapeFrom({4.0, 0.0}, {2.0, 0.0}, 1.0, kHorizon_s, kStep_s);
-  const Escape theirs = *escapeFrom({-4.0, 0.0}, {-2.0, 0.0}, 1.0, kHorizon_s, kStep_s);
+  const Escape mine = *escapeFrom({4.0, 0.0}, {2.0, 0.0}, 1.0, kHorizonS, kStepS);
+  const Escape theirs = *escapeFrom({-4.0, 0.0}, {-2.0, 0.0}, 1.0, kHorizonS, kStepS);
   EXPECT_LT(mine.normal.y(), 0.0);
   EXPECT_EQ(theirs.normal, -mine.normal);
   EXPECT_EQ(theirs.depth_mps, mine.depth_mps);
 }
 
 TEST(VelocityObstacle, ApproachAtTheArcsCentreEscapesBackwards) {
-  const Escape escape = *escapeFrom({4.0, 0.0}, {0.8, 0.0}, 1.0, kHorizon_s, kStep_s);
+  const Escape escape = *escapeFrom({4.0, 0.0}, {0.8, 0.0}, 1.0, kHorizonS, kStepS);
   EXPECT_EQ(escape.normal, Vector2d(-1.0, 0.0));
   EXPECT_DOUBLE_EQ(escape.depth_mps, 0.2);
 }
 
 TEST(VelocityObstacle, CoincidentDiscsComeApartAlongTheirRelativeVelocity) {
-  const Escape escape = *escapeFrom({0.0, 0.0}, {0.0, 0.5}, 1.0, kHorizon_s, kStep_s);
+  const Escape escape = *escapeFrom({0.0, 0.0}, {0.0, 0.5}, 1.0, kHorizonS, kStepS);
   EXPECT_EQ(escape.normal, Vector2d(0.0, 1.0));
   EXPECT_DOUBLE_EQ(escape.depth_mps, 9.5);
 }
 
 TEST(VelocityObstacle, NoDirectionIsBetterIfPlaceAndVelocityCoincide) {
-  EXPECT_FALSE(escapeFrom({0.0, 0.0}, {0.0, 0.0}, 1.0, kHorizon_s, kStep_s));
+  EXPECT_FALSE(escapeFrom({0.0, 0.0}, {0.0, 0.0}, 1.0, kHorizonS, kStepS));
 }
 
 TEST(VelocityObstacle, StaysFiniteAtTheBorderOfOverlap) {
   for (const double distance : {1.0, std::nextafter(1.0, 0.0), std::nextafter(1.0, 2.0)}) {
-    const Escape escape = *escapeFrom({distance, 0.0}, {1.0, 0.0}, 1.0, kHorizon_s, kStep_s);
+    const Escape escape = *escapeFrom({distance, 0.0}, {1.0, 0.0}, 1.0, kHorizonS, kStepS);
     EXPECT_TRUE(escape.normal.allFinite());
     EXPECT_TRUE(std::isfinite(escape.depth_mps));
   }
