@@ -99,8 +99,8 @@ struct Sim {
   double lockstep_start_s =
       30.0;  ///< wall clock; how long to wait for everybody before the first frame
   double lockstep_max_factor = 25.0;  ///< times real time, at most: lcm-logger has to keep up
-  double start_spacing_m = 1.5;  ///< smallest distance between random starting places
-  Area start_area;               ///< where random starting places lie
+  double start_spacing_m = 1.5;       ///< smallest distance between random starting places
+  Area start_area;                    ///< where random starting places lie
   UnicycleModel unicycle;
   MultirotorModel multirotor;
   MocapModel mocap;
