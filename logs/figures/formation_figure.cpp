@@ -15,7 +15,7 @@ constexpr double kStarRadiusM = 0.2;
 constexpr double kPathStepM = 0.03;
 constexpr double kOverviewPathStepM = 0.06;
 // A vehicle that has moved less than this since its last circle gets no new one.
-constexpr double kCircleStepM = 0.05;
+constexpr double kCircleStepM = 0.1;
 constexpr unsigned kCircleAlpha = 0x28;  // of 0xff, which is invisible
 
 /// s. Circles this far apart in time overlap a little at preferred speed.

@@ -47,12 +47,12 @@ std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics
       std::find_if(flight.fleet.rbegin(), flight.fleet.rend(),
                    [](const Logged<FleetStatus>& status) { return status.value.utime > 0; });
   const FleetStatus& last = last_heard->value;
-  if (last.phase != FleetPhase::kDone && last.phase != FleetPhase::kIdle) {
-    failures.push_back(fmt::format("the flight ended in phase {}{}", nameOf(last.phase),
-                                   last.reason.empty() ? "" : ": " + last.reason));
-  } else if (last.step < last.num_steps) {
+  if (last.phase == FleetPhase::kIdle && last.step + 1 < last.num_steps) {
     failures.push_back(
         fmt::format("the mission was left at step {} of {}", last.step + 1, last.num_steps));
+  } else if (last.phase != FleetPhase::kIdle && last.phase != FleetPhase::kDone) {
+    failures.push_back(fmt::format("the flight ended in phase {}{}", nameOf(last.phase),
+                                   last.reason.empty() ? "" : ": " + last.reason));
   }
   return failures;
 }

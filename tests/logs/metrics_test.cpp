@@ -178,7 +178,7 @@ TEST_F(MetricsTest, FailsIfTheMissionWasLeftBeforeItsEnd) {
   passAt(2.0);
   synthetic_.last_phase = FleetPhase::kIdle;
   synthetic_.steps_left_out = 2;
-  EXPECT_THAT(measure().failures, ElementsAre("the mission was left at step 2 of 3"));
+  EXPECT_THAT(measure().failures, ElementsAre("the mission was left at step 1 of 3"));
 }
 
 TEST_F(MetricsTest, DoesNotCallALetterFormedThatSomebodyIsMissingFrom) {

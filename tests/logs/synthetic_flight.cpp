@@ -107,7 +107,7 @@ void writeFleet(const SyntheticFlight& flight, LogWriter& log, core::Utime utime
   roundabout_msgs::fleet_status_t status{};
   status.utime = utime;
   status.num_steps = flight.by_messages ? 0 : formations + flight.steps_left_out;
-  status.step = flight.by_messages ? 0 : after ? formations : current.number;
+  status.step = flight.by_messages ? 0 : after ? formations - 1 : current.number;
   status.phase = after ? static_cast<std::int8_t>(flight.last_phase)
                        : roundabout_msgs::fleet_status_t::TAKE_OFF;
   if (const SyntheticFormation* formation = current.formation) {
