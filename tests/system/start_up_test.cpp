@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/weights.h"
 #include "tests/system/flight_lab.h"
 
 namespace roundabout::test {
@@ -58,7 +59,7 @@ TEST_F(StartUp, RefusesGoalsThatAreTooClose) {
       write("close.yaml",
             "name: close\nvehicles: [{name: hex1}, {name: hex2}]\n"
             "mission: [take_off, {formation: {name: near, points: [[0, 0], [0.5, 0]]}}]\n"),
-      {"mission", "near", "0.5"});
+      {"mission[1].formation", "0.50 m apart"});
 }
 
 TEST_F(StartUp, RefusesAFormationWithMorePointsThanVehicles) {
@@ -78,12 +79,19 @@ TEST_F(StartUp, RefusesWeightsThatAreMissing) {
 }
 
 TEST_F(StartUp, RefusesTruncatedWeights) {
-  const std::string header = R"({"w":{"dtype":"F32","shape":[4],"data_offsets":[0,16]}})";
-  std::string file(8, '\0');
-  file[0] = static_cast<char>(header.size());
-  file += header + "1234";  // a quarter of what the header promises
-  expectRefusal(twoSwap(), {"short.safetensors"},
-                {"--policy", "ga3c_cadrl:" + write("short.safetensors", file)});
+  const std::filesystem::path file = scratch_ / "short.safetensors";
+  writeRandomGa3cCadrl(file.string());
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  expectRefusal(twoSwap(), {"short.safetensors"}, {"--policy", "ga3c_cadrl:" + file.string()});
+}
+
+TEST_F(StartUp, RefusesWeightsOfTheWrongShape) {
+  planner::nn::TensorFile weights = randomGa3cCadrl(1);
+  weights.tensors["policy/kernel"] = {{256, 15}, std::vector<float>(256 * 15)};
+  const std::string file = (scratch_ / "wide.safetensors").string();
+  planner::nn::writeSafetensors(file, weights);
+  expectRefusal(twoSwap(), {"wide.safetensors", "policy/kernel", "[256, 11]", "[256, 15]"},
+                {"--policy", "ga3c_cadrl:" + file});
 }
 
 TEST_F(StartUp, RefusesAUrlThatIsNone) {
