@@ -8,6 +8,7 @@
 
 #include "cli/file_tail.h"
 #include "cli/wall_clock.h"
+#include "common/bus/lcm_bus.h"
 #include "common/bus/typed.h"
 #include "common/core/error.h"
 #include "roundabout_msgs/log_marker_t.hpp"
@@ -30,8 +31,8 @@ ProcessCommand loggerCommand(const std::string& lcm_url, const std::filesystem::
   // lcm-logger drops what comes while 30 messages wait for it, and a lockstep flight sends about
   // that many in a few milliseconds: it must run before those who make it wait.
   return {.name = "lcm-logger",
-          .arguments = {"lcm-logger", "--quiet", "--flush-interval=20", "--lcm-url=" + lcm_url,
-                        file.string()},
+          .arguments = {"lcm-logger", "--quiet", "--flush-interval=20",
+                        "--lcm-url=" + bus::withLargeReceiveBuffer(lcm_url), file.string()},
           .output_file = output_file,
           .ahead_of_others = true};
 }

@@ -18,12 +18,6 @@ constexpr std::array<const char*, 9> kModeNames{"waiting", "on floor", "taking o
                                                 "flying",  "at goal",  "holding",
                                                 "landing", "landed",   "killed"};
 
-// In lockstep the simulator may wait for anybody for as long as it likes: silence means nothing.
-bool watchesWallClock(const config::Experiment& experiment) {
-  const bool lockstep = experiment.source == "sim" && experiment.sim.pacing == "lockstep";
-  return experiment.planner.watch_wall_clock && !lockstep;
-}
-
 roundabout_msgs::planner_status_t toMessage(const Status& status, const PlannerCore& core,
                                             double compute_time_s) {
   roundabout_msgs::planner_status_t message;
@@ -54,6 +48,11 @@ roundabout_msgs::planner_status_t toMessage(const Status& status, const PlannerC
 }
 
 }  // namespace
+
+bool watchesWallClock(const config::Experiment& experiment) {
+  const bool lockstep = experiment.source == "sim" && experiment.sim.pacing == "lockstep";
+  return experiment.planner.watch_wall_clock && !lockstep;
+}
 
 PlannerNode::PlannerNode(const config::Experiment& experiment, const std::string& vehicle,
                          std::unique_ptr<Policy> policy, bus::Bus& bus)

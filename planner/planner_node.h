@@ -11,6 +11,10 @@
 
 namespace roundabout::planner {
 
+/// True for a planner that lives in real time: silence then means that something is wrong. In
+/// lockstep the simulator may wait for anybody for as long as it likes.
+bool watchesWallClock(const config::Experiment& experiment);
+
 /// The planner's wires: VEHICLE_STATES, GOAL_<vehicle> and SAFETY_ORDER in, COMMAND_<vehicle> and
 /// PLANNER_STATUS_<vehicle> out. The bus's handle() drives it; onWallClock() tells it how time
 /// passes when no message comes.

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/app/real_time.h"
 #include "common/bus/lcm_bus.h"
 #include "planner/planner_node.h"
 #include "planner/policies/table.h"
@@ -16,6 +17,9 @@ int runPlanner(const PlannerOptions& options, app::Context& context) {
       makePolicy(experiment.planner.policy, {"", experiment.planner.orca, experiment.file});
   spdlog::info("{} flies {} on {}", policy->name(), options.vehicle, context.lcm_url);
 
+  if (watchesWallClock(experiment)) {
+    app::requestRealTimePriority(app::kPlannerPriority);
+  }
   bus::LcmBus bus(context.lcm_url);
   PlannerNode node(experiment, options.vehicle, std::move(policy), bus);
   while (!context.stop.requested()) {

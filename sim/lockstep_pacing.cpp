@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kGlance{50};
 constexpr std::chrono::seconds kReminderPeriod{5};
 // Time lost waiting is made up for by a short burst of frames, not by a long one: stock receivers
 // lose what comes while 30 messages wait for them.
-constexpr std::chrono::milliseconds kLongestCatchUp{2};
+constexpr std::chrono::microseconds kLongestCatchUp{500};
 
 // The node counts what cannot be decoded.
 void ignore(const bus::DecodeError& /*error*/) {}

@@ -4,10 +4,7 @@
 #include <ctime>
 #include <string>
 
-#include <sched.h>
 #include <spdlog/spdlog.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
 
 namespace roundabout::sim {
 
@@ -62,23 +59,6 @@ void RealTimePacing::run(SimNode& node, const std::function<bool()>& stop) {
       spdlog::warn("more than {} ms late: frames are skipped", kTooLate.count() / 1000);
     }
     late = too_late;
-  }
-}
-
-void requestRealTimeScheduling() {
-  std::string refused;
-  const auto ask = [&refused](bool granted, const char* what) {
-    if (!granted) {
-      refused += (refused.empty() ? "" : ", ") + std::string(what);
-    }
-  };
-  sched_param priority{};
-  priority.sched_priority = 10;
-  ask(sched_setscheduler(0, SCHED_FIFO, &priority) == 0, "real-time priority");
-  ask(mlockall(MCL_CURRENT | MCL_FUTURE) == 0, "locked memory");
-  ask(prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL) == 0, "exact timers");
-  if (!refused.empty()) {
-    spdlog::info("not permitted, going on without: {}", refused);
   }
 }
 

@@ -25,8 +25,4 @@ class RealTimePacing {
   bus::Bus& bus_;
 };
 
-/// Asks the system for what keeps this thread on time: a real-time priority, memory that stays,
-/// timers that do not wait for company. Goes on without what is not permitted, and says so.
-void requestRealTimeScheduling();
-
 }  // namespace roundabout::sim

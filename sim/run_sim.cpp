@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/app/real_time.h"
 #include "common/bus/lcm_bus.h"
 #include "mocap_bridge/state_publisher.h"
 #include "sim/lockstep_pacing.h"
@@ -38,6 +39,9 @@ int runSim(const SimOptions& /*options*/, app::Context& context) {
     bus::LcmBus listener(context.lcm_url);
     mocap_bridge::requireSolePublisher(listener, context.lcm_url, kListenBeforeTalking);
   }
+  if (experiment.sim.pacing == "real_time") {
+    app::requestRealTimePriority(app::kFramePriority);
+  }
   bus::LcmBus bus(context.lcm_url);
   spdlog::info("{} vehicles, {}, on {}", experiment.vehicles.size(), experiment.sim.pacing,
                context.lcm_url);
@@ -50,7 +54,7 @@ int runSim(const SimOptions& /*options*/, app::Context& context) {
     pacing.run(node, stop);
     logReport(node, begin);
   } else {
-    requestRealTimeScheduling();
+    app::requestLockedMemory();
     SimNode node(experiment, bus, RealTimePacing::firstUtime(experiment.sim.mocap.rate_hz));
     RealTimePacing pacing(bus);
     const auto begin = Clock::now();

@@ -1,14 +1,17 @@
 #include "common/bus/lcm_bus.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <regex>
 #include <utility>
 
 #include <arpa/inet.h>
 #include <lcm/lcm.h>
 #include <poll.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -67,6 +70,20 @@ std::string resolveUrl(const std::string& explicit_url) {
   return from_environment != nullptr && *from_environment != '\0' ? from_environment : kDefaultUrl;
 }
 
+std::string withLargeReceiveBuffer(const std::string& url) {
+  constexpr long kEnough = 4L << 20;
+  if (url.find("recv_buf_size=") != std::string::npos) {
+    return url;
+  }
+  long allowed = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> allowed;
+  if (allowed <= 0) {
+    return url;
+  }
+  return fmt::format("{}{}recv_buf_size={}", url, url.find('?') == std::string::npos ? "?" : "&",
+                     std::min(allowed, kEnough));
+}
+
 struct LcmBus::Subscription {
   LcmBus* bus;
   Handler handler;
@@ -88,7 +105,7 @@ struct LcmBus::Subscription {
 
 LcmBus::LcmBus(const std::string& url) {
   checkMulticastRoute(url);
-  lcm_ = lcm_create(url.c_str());
+  lcm_ = lcm_create(withLargeReceiveBuffer(url).c_str());
   if (lcm_ == nullptr) {
     throw core::StartupError("lcm_url", url, "a socket that LCM can open", std::strerror(errno));
   }

@@ -15,6 +15,11 @@ namespace roundabout::bus {
 /// with ttl 0 (this machine only). The one place that knows.
 std::string resolveUrl(const std::string& explicit_url);
 
+/// The URL with the largest receive buffer that this machine allows (net.core.rmem_max, at most 4
+/// MiB), unless it says another. With the kernel's default, a burst of a hundred frames to a
+/// process that is busy loses some.
+std::string withLargeReceiveBuffer(const std::string& url);
+
 /// A Bus over real LCM.
 class LcmBus final : public Bus {
  public:

@@ -173,7 +173,8 @@ struct MissionStep {
   std::string text;                       ///< spell: what; formation: its name
   std::string vehicle;                    ///< go_to
   std::vector<Eigen::Vector3d> points_m;  ///< formation, go_to; world
-  double seconds = -1.0;  ///< wait; or how long to stay in a formation; negative: default
+  double seconds = -1.0;    ///< wait; or how long to stay in a formation; negative: default
+  std::string points_file;  ///< formation: read into points_m, then empty
 };
 
 struct Experiment {

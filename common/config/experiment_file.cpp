@@ -8,6 +8,7 @@
 
 #include "common/config/checks.h"
 #include "common/config/document.h"
+#include "common/config/points_file.h"
 #include "common/config/reader.h"
 #include "common/config/writer.h"
 #include "common/core/error.h"
@@ -26,6 +27,21 @@ std::string withAbsoluteWeights(const std::string& policy, const std::filesystem
   const std::filesystem::path weights = folder / policy.substr(colon + 1);
   return policy.substr(0, colon + 1) +
          std::filesystem::absolute(weights).lexically_normal().string();
+}
+
+void readPointsFiles(Experiment& experiment, const std::filesystem::path& folder,
+                     const Refuse& refuse) {
+  for (std::size_t i = 0; i < experiment.mission.size(); ++i) {
+    MissionStep& step = experiment.mission[i];
+    if (step.points_file.empty()) {
+      continue;
+    }
+    if (!step.points_m.empty()) {
+      refuse("mission[" + std::to_string(i) + "].formation", "points or a points_file", "both");
+    }
+    step.points_m = readPointsFile((folder / step.points_file).string());
+    step.points_file.clear();
+  }
 }
 
 }  // namespace
@@ -56,6 +72,7 @@ Experiment parseExperiment(const std::string& yaml, const std::string& name,
   describe(reader, experiment);
   reader.finish();
 
+  readPointsFiles(experiment, std::filesystem::path(name).parent_path(), refuse);
   fillHeights(experiment, refuse);
   checkConsistency(experiment, refuse);
   experiment.planner.policy = withAbsoluteWeights(experiment.planner.policy,

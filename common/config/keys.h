@@ -182,6 +182,7 @@ void describeArguments(Visitor& visit, MissionStep& step) {
   } else if (step.verb == "formation") {
     visit("name", step.text);
     visit("points", step.points_m, heightOptional());
+    visit("points_file", step.points_file, inputOnly());
     visit("seconds", step.seconds, durationOrAbsent());
   } else if (step.verb == "go_to") {
     step.points_m.resize(1, kNoPoint);
