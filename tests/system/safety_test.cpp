@@ -184,14 +184,15 @@ mission:
   - land
 )");
   ASSERT_TRUE(finish(startFlight(file, {"--no-report"})).status.clean());
+  const auto payloads = payloadsOf(out() / "flight.lcm");
   double lowest_m = 0.0;
   bool slowed_down = false;
-  for (const std::string& payload : payloadsOf(out() / "flight.lcm").at("VEHICLE_STATES")) {
+  for (const std::string& payload : payloads.at("VEHICLE_STATES")) {
     roundabout_msgs::vehicle_states_t states;
     states.decode(payload.data(), 0, static_cast<int>(payload.size()));
     lowest_m = std::min(lowest_m, states.vehicles.at(0).position[1]);
   }
-  for (const std::string& payload : payloadsOf(out() / "flight.lcm").at("PLANNER_STATUS_hex1")) {
+  for (const std::string& payload : payloads.at("PLANNER_STATUS_hex1")) {
     planner_status_t status;
     status.decode(payload.data(), 0, static_cast<int>(payload.size()));
     slowed_down = slowed_down || status.reason.find("edge of the room") != std::string::npos;
