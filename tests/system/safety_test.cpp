@@ -169,18 +169,18 @@ TEST_F(HostileMessages, AreRejectedAndCountedAndTheFlightGoesOn) {
 class Push : public FlightLab {};
 
 TEST_F(Push, TowardTheEdgeOfTheRoomIsAnsweredBeforeIt) {
-  // hex1 flies along the wall at y = -2 and is pushed toward it; its body may reach to y = -2.
+  // hex1 flies along the wall at y = -2, which its body must not touch, and is pushed toward it.
   const std::string file = write("push.yaml", R"(name: push
 room: {min_m: [-5, -2, 0], max_m: [5, 3, 3]}
 vehicles:
-  - {name: hex1, preferred_speed_mps: 1.0, start: {position_m: [-4, -1]}}
+  - {name: hex1, preferred_speed_mps: 1.0, start: {position_m: [-4, -1.2]}}
 sim:
   start_area: {min_m: [-4, -1], max_m: [4, 2]}
   pushes:
-    - {vehicle: hex1, at_s: 6.0, duration_s: 1.0, acceleration_mps2: [0, -1.5]}
+    - {vehicle: hex1, at_s: 6.0, duration_s: 0.5, acceleration_mps2: [0, -2.5]}
 mission:
   - take_off
-  - formation: {name: along, points: [[4, -1]], seconds: 0.5}
+  - formation: {name: along, points: [[4, -1.2]], seconds: 0.5}
   - land
 )");
   ASSERT_TRUE(finish(startFlight(file, {"--no-report"})).status.clean());
@@ -197,7 +197,7 @@ mission:
     status.decode(payload.data(), 0, static_cast<int>(payload.size()));
     slowed_down = slowed_down || status.reason.find("edge of the room") != std::string::npos;
   }
-  EXPECT_LT(lowest_m, -1.1) << "the push was not felt";
+  EXPECT_LT(lowest_m, -1.4) << "the push was not felt";
   EXPECT_GT(lowest_m, -2.0 + 0.35);
   EXPECT_TRUE(slowed_down);
 }
