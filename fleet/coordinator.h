@@ -8,6 +8,7 @@
 
 #include "common/config/experiment.h"
 #include "common/core/command.h"
+#include "common/core/planner_mode.h"
 #include "common/core/vehicle_state.h"
 #include "fleet/mission.h"
 
@@ -25,19 +26,7 @@ enum class Phase : std::int8_t {
   kFailed = 7
 };
 
-/// As in lcmtypes/planner_status_t.lcm.
-enum class PlannerMode : std::int8_t {
-  kNeverHeard = -1,
-  kWaiting = 0,
-  kOnFloor = 1,
-  kTakingOff = 2,
-  kFlying = 3,
-  kAtGoal = 4,
-  kHolding = 5,
-  kLanding = 6,
-  kLanded = 7,
-  kKilled = 8
-};
+using core::PlannerMode;
 
 /// The latest of a planner's statuses.
 struct PlannerReport {

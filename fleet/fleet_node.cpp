@@ -91,14 +91,10 @@ void FleetNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
   if (bus::fromMessage(message, frame_) > 0) {
     reject(bus::kStatesChannel, "a vehicle's state is not finite or its orientation not unit");
   }
-  constexpr core::Utime kFarAhead = 10 * core::kMicrosPerSecond;
-  const bool corrupt = last_frame_ > 0 && frame_.utime - last_frame_ > kFarAhead;
-  if (frame_.utime <= last_frame_ || corrupt) {
-    reject(bus::kStatesChannel,
-           corrupt ? "far ahead of the last one" : "not newer than the last one");
+  if (!gate_.accept(frame_.utime)) {
+    reject(bus::kStatesChannel, "its time stamp is old, or corrupt");
     return;
   }
-  last_frame_ = frame_.utime;
   if (!timer_.due(frame_.utime)) {
     return;
   }
@@ -142,7 +138,7 @@ void FleetNode::onMission(const roundabout_msgs::mission_t& message) {
 
 void FleetNode::onWallClock(WallTime now) {
   const std::chrono::duration<double> since = now - last_announced_;
-  if (last_frame_ == 0 && since.count() >= 1.0 / experiment_.fleet.rate_hz) {
+  if (gate_.last() == 0 && since.count() >= 1.0 / experiment_.fleet.rate_hz) {
     last_announced_ = now;
     publishStatus(coordinator_.waitingStatus());
   }

@@ -6,6 +6,7 @@
 
 #include "common/bus/bus.h"
 #include "common/config/experiment.h"
+#include "common/core/frame_gate.h"
 #include "common/core/tick_timer.h"
 #include "fleet/coordinator.h"
 #include "roundabout_msgs/mission_t.hpp"
@@ -42,9 +43,9 @@ class FleetNode {
   const config::Experiment& experiment_;
   bus::Bus& bus_;
   Coordinator coordinator_;
+  core::FrameGate gate_;
   core::TickTimer timer_;
   core::StatesFrame frame_;
-  core::Utime last_frame_ = 0;
   std::vector<core::Utime> last_report_;
   WallTime last_announced_;
   int rejected_ = 0;

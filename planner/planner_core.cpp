@@ -330,6 +330,7 @@ PlannerCore::Tick PlannerCore::report(core::Utime now, core::Utime state_utime,
     case Mode::kKilled:
       command.mode = core::CommandMode::kKill;
       break;
+    case Mode::kNeverHeard:
     case Mode::kWaiting:
     case Mode::kOnFloor:
     case Mode::kHolding:

@@ -9,6 +9,8 @@
 
 #include "common/config/experiment.h"
 #include "common/core/command.h"
+#include "common/core/frame_gate.h"
+#include "common/core/planner_mode.h"
 #include "common/core/tick_timer.h"
 #include "common/core/vehicle_state.h"
 #include "planner/policy.h"
@@ -18,18 +20,7 @@
 
 namespace roundabout::planner {
 
-/// As in lcmtypes/planner_status_t.lcm.
-enum class Mode : std::int8_t {
-  kWaiting = 0,
-  kOnFloor = 1,
-  kTakingOff = 2,
-  kFlying = 3,
-  kAtGoal = 4,
-  kHolding = 5,
-  kLanding = 6,
-  kLanded = 7,
-  kKilled = 8
-};
+using Mode = core::PlannerMode;
 
 /// What goes into planner_status_t, except what only the node knows (compute time).
 struct Status {
@@ -109,7 +100,7 @@ class PlannerCore {
   config::Experiment experiment_;
   std::size_t own_index_ = 0;
   std::unique_ptr<Policy> policy_;
-  FrameGate gate_;
+  core::FrameGate gate_;
   TrackTable tracks_;
   core::TickTimer timer_;
   RoomGuard room_;

@@ -74,17 +74,4 @@ class TrackTable {
   std::vector<Track> tracks_;
 };
 
-/// Refuses frames whose time stamp is not newer than the last, or is so far ahead that it can only
-/// be corrupt (until ten in a row agree: then the source was away for that long).
-class FrameGate {
- public:
-  bool accept(core::Utime utime);
-  core::Utime last() const { return last_; }
-
- private:
-  core::Utime last_ = 0;
-  core::Utime ahead_ = 0;
-  int ahead_run_ = 0;
-};
-
 }  // namespace roundabout::planner

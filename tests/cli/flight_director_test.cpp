@@ -13,8 +13,8 @@ class FlightDirectorTest : public testing::Test {
     return {.landing_s = 30.0, .fleet_return_s = 10.0, .sim_linger_s = 2.0};
   }
 
-  void hear(const std::string& vehicle, bool on_floor) {
-    director_.onPlannerHeard(vehicle, on_floor);
+  void hear(const std::string& vehicle, bool on_floor, double now_s = 1.0) {
+    director_.onPlannerHeard(vehicle, on_floor, now_s);
   }
 
   FlightDirector director_;
@@ -52,8 +52,14 @@ TEST_F(FlightDirectorTest, LandsWhenNoNewFleetTakesOver) {
 
 TEST_F(FlightDirectorTest, GoesOnWhenANewFleetIsHeard) {
   director_.onEnd(Role::kFleet, "", false, 5.0);
-  director_.onFleetHeard();
+  director_.onFleetHeard(9.0);
   EXPECT_EQ(director_.decide(500.0), Direction::kGoOn);
+}
+
+TEST_F(FlightDirectorTest, DoesNotTakeTheDeadFleetsLastWordForANewFleet) {
+  director_.onEnd(Role::kFleet, "", false, 5.0);
+  director_.onFleetHeard(5.1);
+  EXPECT_EQ(director_.decide(15.0), Direction::kLand);
 }
 
 TEST_F(FlightDirectorTest, LandsWhenTheLoggerDied) {
@@ -87,9 +93,18 @@ TEST_F(FlightDirectorTest, DoesNotWaitForAVehicleWhosePlannerIsDead) {
   EXPECT_EQ(director_.decide(6.0), Direction::kEnd);
 }
 
+TEST_F(FlightDirectorTest, DoesNotWaitForADeadPlannerBecauseOfItsLastWord) {
+  director_.onEnd(Role::kPlanner, "hex2", false, 4.0);
+  hear("hex2", false, 4.1);
+  hear("hex1", true);
+  director_.onStop();
+  ASSERT_EQ(director_.decide(5.0), Direction::kLand);
+  EXPECT_EQ(director_.decide(6.0), Direction::kEnd);
+}
+
 TEST_F(FlightDirectorTest, WaitsForAPlannerThatWasStartedAgain) {
   director_.onEnd(Role::kPlanner, "hex2", false, 4.0);
-  hear("hex2", false);
+  hear("hex2", false, 4.5);
   hear("hex1", true);
   director_.onStop();
   ASSERT_EQ(director_.decide(5.0), Direction::kLand);

@@ -111,18 +111,6 @@ TEST(TrackTable, AnExchangeThatEndsIsForgiven) {
   EXPECT_DOUBLE_EQ(tracks.at(1).ageS(frame.utime), 0.0);
 }
 
-TEST(FrameGate, AcceptsASourceThatComesBackMuchLater) {
-  FrameGate gate;
-  EXPECT_TRUE(gate.accept(1'000'000));
-  int refused = 0;
-  core::Utime utime = 100'000'000;
-  while (!gate.accept(utime) && refused < 100) {
-    utime += 5'000;
-    ++refused;
-  }
-  EXPECT_EQ(refused, 9);
-}
-
 TEST(RoomGuard, AVehicleThatObeysNeverLeavesTheRoom) {
   config::Room room;
   room.min_m = {-3.0, -2.0, 0.0};

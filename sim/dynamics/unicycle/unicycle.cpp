@@ -62,7 +62,8 @@ Eigen::Vector2d Unicycle::wantedVelocity(const Setpoint& setpoint, double step_s
   const double distance = left.norm();
   const double gain = std::min(kPositionGainPerS, 1.0 / step_s);
   const double speed = std::min(gain * distance, position_speed_mps_);
-  return distance > kArrivedM ? Eigen::Vector2d(left * (speed / distance)) : Eigen::Vector2d::Zero();
+  return distance > kArrivedM ? Eigen::Vector2d(left * (speed / distance))
+                              : Eigen::Vector2d::Zero();
 }
 
 void Unicycle::turn(double wanted_heading_rad, double step_s) {
