@@ -16,7 +16,7 @@ constexpr double kFilePeriod_s = 5.0;
 
 }  // namespace
 
-Console::Console() : terminal_(isatty(STDOUT_FILENO) == 1) {}
+Console::Console() : terminal_(isatty(STDOUT_FILENO) == 1), last_progress_s_(wallSeconds()) {}
 
 Console::~Console() {
   if (live_line_) {

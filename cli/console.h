@@ -25,7 +25,7 @@ class Console {
 
   bool terminal_;
   bool live_line_ = false;
-  double last_progress_s_ = 0.0;
+  double last_progress_s_;
 };
 
 }  // namespace roundabout::cli

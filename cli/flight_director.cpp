@@ -25,7 +25,7 @@ void FlightDirector::onEnd(Role role, const std::string& vehicle, bool clean, do
       fleet_death_s_ = now_s;
       break;
     case Role::kPlanner:
-      vehicles_.at(vehicle).planner_alive = false;
+      vehicles_.at(vehicle).planner_death_s = now_s;
       break;
     case Role::kLogger:
       land("the logger died");
@@ -33,10 +33,18 @@ void FlightDirector::onEnd(Role role, const std::string& vehicle, bool clean, do
   }
 }
 
-void FlightDirector::onFleetHeard() { fleet_death_s_.reset(); }
+void FlightDirector::onFleetHeard(double now_s) {
+  if (fleet_death_s_ && now_s - *fleet_death_s_ > kEcho_s) {
+    fleet_death_s_.reset();
+  }
+}
 
-void FlightDirector::onPlannerHeard(const std::string& vehicle, bool on_floor) {
-  vehicles_.at(vehicle) = {true, on_floor};
+void FlightDirector::onPlannerHeard(const std::string& vehicle, bool on_floor, double now_s) {
+  VehicleView& view = vehicles_.at(vehicle);
+  view.on_floor = on_floor;
+  if (view.planner_death_s && now_s - *view.planner_death_s > kEcho_s) {
+    view.planner_death_s.reset();
+  }
 }
 
 void FlightDirector::onStop() { land("stopped by the user"); }
@@ -64,7 +72,7 @@ Direction FlightDirector::decide(double now_s) {
 
 bool FlightDirector::allOnFloor() const {
   return std::all_of(vehicles_.begin(), vehicles_.end(), [](const auto& entry) {
-    return entry.second.on_floor || !entry.second.planner_alive;
+    return entry.second.on_floor || entry.second.planner_death_s;
   });
 }
 

@@ -39,12 +39,15 @@ enum class Direction {
 /// | all landed, or time is up | end                                                             |
 class FlightDirector {
  public:
+  /// s. What is heard of a process up to this long after its death it has said before.
+  static constexpr double kEcho_s = 0.2;
+
   FlightDirector(std::vector<std::string> vehicles, DirectorLimits limits);
 
   void onFirstState() { flying_ = true; }
   void onEnd(Role role, const std::string& vehicle, bool clean, double now_s);
-  void onFleetHeard();
-  void onPlannerHeard(const std::string& vehicle, bool on_floor);
+  void onFleetHeard(double now_s);
+  void onPlannerHeard(const std::string& vehicle, bool on_floor, double now_s);
   void onStop();
 
   Direction decide(double now_s);
@@ -53,7 +56,7 @@ class FlightDirector {
 
  private:
   struct VehicleView {
-    bool planner_alive = true;
+    std::optional<double> planner_death_s;
     bool on_floor = false;
   };
 

@@ -68,9 +68,9 @@ Supervisor::Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Co
     first_state_s_ = wallSeconds();
     director_.onFirstState();
   };
-  events.fleet_heard = [this] { director_.onFleetHeard(); };
+  events.fleet_heard = [this] { director_.onFleetHeard(wallSeconds()); };
   events.planner_heard = [this](const std::string& vehicle, bool on_floor) {
-    director_.onPlannerHeard(vehicle, on_floor);
+    director_.onPlannerHeard(vehicle, on_floor, wallSeconds());
   };
   monitor_ = std::make_unique<FlightMonitor>(bus_, plan_.experiment, std::move(events));
   requireNobodyFlies();
