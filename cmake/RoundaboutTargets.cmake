@@ -40,7 +40,7 @@ function(roundabout_executable name)
 endfunction()
 
 # roundabout_test(NAME SOURCES … LINK … [LABEL unit|contract|system|bench] [TIMEOUT s]): one GoogleTest
-# program; each of its tests is a test of CTest's own. System tests run one at a time, since they time things.
+# program; each of its tests is a test of CTest's own. System tests have an LCM port each, so they may run side by side.
 function(roundabout_test name)
   cmake_parse_arguments(ARG "LONG" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
   if(NOT ARG_LABEL)
@@ -60,12 +60,8 @@ function(roundabout_test name)
   if(ARG_LONG)
     list(APPEND labels long)
   endif()
-  set(serial OFF)
-  if(ARG_LABEL STREQUAL system)
-    set(serial ON)
-  endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${serial})
+    PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 include(GoogleTest)
 
