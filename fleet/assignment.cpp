@@ -21,17 +21,17 @@ Assignment assignAtRandom(std::size_t vehicles, std::size_t points, std::uint64_
   return assignment;
 }
 
-Assignment assignOptimally(const std::vector<Eigen::Vector3d>& vehicles_m,
-                           const std::vector<Eigen::Vector3d>& points_m) {
+Assignment assignAtLeastCost(const Eigen::MatrixXd& cost) {
   // Points are added one at a time, each along the cheapest alternating path. Column 0 is a helper.
-  const std::size_t columns = vehicles_m.size() + 1;
+  const auto points = static_cast<std::size_t>(cost.rows());
+  const auto columns = static_cast<std::size_t>(cost.cols()) + 1;
   constexpr std::size_t kHelper = 0;
-  std::vector<double> point_potential(points_m.size() + 1, 0.0);
+  std::vector<double> point_potential(points + 1, 0.0);
   std::vector<double> vehicle_potential(columns, 0.0);
   std::vector<std::size_t> point_of(columns, 0);  // one-based; 0: free
   std::vector<std::size_t> previous(columns, 0);
 
-  for (std::size_t point = 1; point <= points_m.size(); ++point) {
+  for (std::size_t point = 1; point <= points; ++point) {
     std::vector<double> cheapest(columns, std::numeric_limits<double>::infinity());
     std::vector<bool> reached(columns, false);
     std::size_t column = kHelper;
@@ -45,10 +45,11 @@ Assignment assignOptimally(const std::vector<Eigen::Vector3d>& vehicles_m,
         if (reached[j]) {
           continue;
         }
-        const double cost = (vehicles_m[j - 1] - points_m[from - 1]).squaredNorm() -
-                            point_potential[from] - vehicle_potential[j];
-        if (cost < cheapest[j]) {
-          cheapest[j] = cost;
+        const double reduced =
+            cost(static_cast<Eigen::Index>(from) - 1, static_cast<Eigen::Index>(j) - 1) -
+            point_potential[from] - vehicle_potential[j];
+        if (reduced < cheapest[j]) {
+          cheapest[j] = reduced;
           previous[j] = column;
         }
         if (cheapest[j] < step) {
@@ -71,13 +72,25 @@ Assignment assignOptimally(const std::vector<Eigen::Vector3d>& vehicles_m,
     }
   }
 
-  Assignment assignment(vehicles_m.size(), kUnassigned);
+  Assignment assignment(columns - 1, kUnassigned);
   for (std::size_t j = 1; j < columns; ++j) {
     if (point_of[j] != 0) {
       assignment[j - 1] = point_of[j] - 1;
     }
   }
   return assignment;
+}
+
+Assignment assignOptimally(const std::vector<Eigen::Vector3d>& vehicles_m,
+                           const std::vector<Eigen::Vector3d>& points_m) {
+  Eigen::MatrixXd cost(points_m.size(), vehicles_m.size());
+  for (std::size_t j = 0; j < points_m.size(); ++j) {
+    for (std::size_t i = 0; i < vehicles_m.size(); ++i) {
+      cost(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) =
+          (vehicles_m[i] - points_m[j]).squaredNorm();
+    }
+  }
+  return assignAtLeastCost(cost);
 }
 
 }  // namespace roundabout::fleet

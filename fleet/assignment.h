@@ -21,8 +21,11 @@ Assignment assignInOrder(std::size_t vehicles, std::size_t points);
 Assignment assignAtRandom(std::size_t vehicles, std::size_t points, std::uint64_t seed,
                           const std::string& stream);
 
-/// Least total squared distance, exact (Hungarian method with potentials, O(points^2 vehicles)).
-/// Precondition: points <= vehicles.
+/// Least total cost, exact (Hungarian method with potentials, O(points^2 vehicles)). A row a point,
+/// a column a vehicle. Precondition: all finite, rows <= columns.
+Assignment assignAtLeastCost(const Eigen::MatrixXd& cost);
+
+/// Least total squared distance. Precondition: points <= vehicles.
 Assignment assignOptimally(const std::vector<Eigen::Vector3d>& vehicles_m,
                            const std::vector<Eigen::Vector3d>& points_m);
 

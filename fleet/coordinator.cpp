@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/core/error.h"
-#include "fleet/assignment.h"
 #include "fleet/goal_check.h"
 
 namespace roundabout::fleet {
@@ -20,11 +19,12 @@ constexpr double kPlannerSilent_s = 1.0;
 constexpr std::size_t kRefusalsKept = 10;
 // More than a planner can send between two ticks, even after the fleet was away for a while.
 constexpr std::size_t kReportsKept = 100;
+constexpr std::size_t kLongestQueue = 1000;
+// The lockstep simulator waits for a planner's command, not for the status after it: only what was
+// sent with the command before is sure to be here.
+constexpr core::Utime kReportDelay = 150'000;
 constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
-
-bool needsAir(Verb verb) {
-  return verb == Verb::kFormation || verb == Verb::kGoTo || verb == Verb::kHold;
-}
+constexpr const char* kSilent = "planner silent";
 
 }  // namespace
 
@@ -34,20 +34,7 @@ Coordinator::Coordinator(const config::Experiment& experiment)
       file_steps_(reader_.readFile()),
       members_(experiment.vehicles.size()),
       planners_(experiment.vehicles.size()),
-      pending_reports_(experiment.vehicles.size()) {
-  const bool somebody_flies =
-      std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(), config::flies);
-  const auto first_in_air =
-      std::find_if(file_steps_.begin(), file_steps_.end(),
-                   [](const Step& candidate) { return needsAir(candidate.verb); });
-  const auto take_off = std::find_if(file_steps_.begin(), first_in_air, [](const Step& candidate) {
-    return candidate.verb == Verb::kTakeOff;
-  });
-  if (somebody_flies && first_in_air != file_steps_.end() && take_off == first_in_air) {
-    throw core::StartupError(experiment.file, "mission", "take_off before anything in the air",
-                             "none");
-  }
-}
+      pending_reports_(experiment.vehicles.size()) {}
 
 void Coordinator::onPlanner(std::size_t vehicle, const PlannerReport& report) {
   std::deque<PlannerReport>& pending = pending_reports_[vehicle];
@@ -60,7 +47,7 @@ void Coordinator::onPlanner(std::size_t vehicle, const PlannerReport& report) {
 void Coordinator::applyReports(core::Utime now) {
   for (std::size_t i = 0; i < planners_.size(); ++i) {
     std::deque<PlannerReport>& pending = pending_reports_[i];
-    while (!pending.empty() && pending.front().utime < now) {
+    while (!pending.empty() && pending.front().utime + kReportDelay < now) {
       planners_[i] = pending.front();
       pending.pop_front();
     }
@@ -68,18 +55,37 @@ void Coordinator::applyReports(core::Utime now) {
 }
 
 void Coordinator::applyFrame(const core::StatesFrame& frame) {
+  for (Member& member : members_) {
+    member.tracked = false;
+  }
   for (const core::VehicleState& state : frame.vehicles) {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       if (state.tracked && experiment_.vehicles[i].name == state.name) {
         members_[i].state = state;
         members_[i].seen = true;
+        members_[i].tracked = true;
       }
     }
   }
 }
 
 void Coordinator::onMission(std::int64_t mission_id, const config::MissionStep& asked) {
-  StepsOrRefusal steps = reader_.read(asked);
+  if (asked_.size() >= kLongestQueue) {
+    refuse(mission_id, "too many missions at once");
+    return;
+  }
+  asked_.push_back({mission_id, asked});
+}
+
+void Coordinator::takeMissions(core::Utime now) {
+  for (const Asked& asked : std::exchange(asked_, {})) {
+    take(now, asked);
+  }
+}
+
+void Coordinator::take(core::Utime now, const Asked& asked) {
+  const std::int64_t mission_id = asked.mission_id;
+  StepsOrRefusal steps = reader_.read(asked.step);
   if (const auto* refusal = std::get_if<std::string>(&steps)) {
     refuse(mission_id, *refusal);
     return;
@@ -99,10 +105,16 @@ void Coordinator::onMission(std::int64_t mission_id, const config::MissionStep& 
     queue_.clear();
     file_finished_ = true;
   }
-  queue_.insert(queue_.end(), expanded.begin(), expanded.end());
+  if (queue_.size() + expanded.size() > kLongestQueue) {
+    refuse(mission_id, fmt::format("more than {} steps are queued", kLongestQueue));
+    return;
+  }
+  for (Step& queued : expanded) {
+    queue_.push_back({mission_id, std::move(queued)});
+  }
   if (at_once || phase_ == Phase::kIdle || phase_ == Phase::kDone || phase_ == Phase::kFailed) {
     failure_.clear();
-    next(last_tick_);
+    next(now);
   }
 }
 
@@ -126,6 +138,7 @@ Coordinator::Output Coordinator::tick(const core::StatesFrame& frame) {
   } else {
     advance(frame.utime);
   }
+  takeMissions(frame.utime);
   repeatGoals(frame.utime);
   return {outbox_, status(frame.utime)};
 }
@@ -142,23 +155,33 @@ void Coordinator::start(core::Utime now) {
   for (const PlannerReport& planner : planners_) {
     known_id = std::max(known_id, planner.goal_id);
   }
-  if (known_id >= kFirstLiveId) {
-    // A flight by messages is under way: its goals stand, and nobody remembers what was queued.
-    live_count_ = (known_id - kFirstLiveId) / kIdsPerStep + 1;
-    file_finished_ = true;
-    phase_ = Phase::kIdle;
-    return;
-  }
-  const auto known_step = static_cast<std::size_t>(known_id / kIdsPerStep);
-  if (known_step > 0 && known_step <= file_steps_.size()) {
-    index_ = known_step - 1;
-  }
-  if (file_steps_.empty()) {
+  if (known_id > 0) {
+    takeOver(now, known_id);
+  } else if (file_steps_.empty()) {
     file_finished_ = true;
     phase_ = Phase::kIdle;
   } else {
     begin(now);
   }
+}
+
+void Coordinator::takeOver(core::Utime now, std::int64_t known_id) {
+  const auto known_step = static_cast<std::size_t>(known_id / kIdsPerStep);
+  if (known_id < kFirstLiveId && known_step >= 1 && known_step <= file_steps_.size()) {
+    index_ = known_step - 1;
+    resuming_ = true;
+    begin(now);
+    resuming_ = false;
+    return;
+  }
+  file_finished_ = true;
+  if (known_id < kFirstLiveId && !file_steps_.empty() && known_step == file_steps_.size() + 1) {
+    fail(now, "the mission had failed before fleet was restarted");
+    return;
+  }
+  // A flight by messages or by another file: its goals stand, and nobody remembers what was queued.
+  live_count_ = std::max<std::int64_t>(0, (known_id - kFirstLiveId) / kIdsPerStep) + 1;
+  phase_ = Phase::kIdle;
 }
 
 void Coordinator::next(core::Utime now) {
@@ -178,8 +201,22 @@ void Coordinator::next(core::Utime now) {
     begin(now);
     return;
   }
+  finish();
+}
+
+void Coordinator::finish() {
   const bool flew_the_file = !live_ && !file_steps_.empty();
-  phase_ = flew_the_file && allOnFloor() ? Phase::kDone : Phase::kIdle;
+  if (!flew_the_file || file_steps_.back().verb != Verb::kLand) {
+    phase_ = Phase::kIdle;
+    return;
+  }
+  const bool came_down = std::any_of(members_.begin(), members_.end(), [](const Member& member) {
+    return !member.absence.empty() && member.absence != kSilent;
+  });
+  if (came_down) {
+    failure_ = "landed without: " + whoIsOut();
+  }
+  phase_ = came_down ? Phase::kFailed : Phase::kDone;
 }
 
 std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const {
@@ -191,27 +228,51 @@ std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const
       if (i == candidate.vehicle) {
         continue;
       }
-      const Eigen::Vector3d place = members_[i].goal ? members_[i].goal->position_world_m
-                                                     : members_[i].state.position_world_m;
-      const double distance_m = (place - candidate.points_m[0]).head<2>().norm();
-      if (distance_m < goalSpacingM(experiment_)) {
-        return fmt::format("the point is {:.2f} m from {}'s goal and must be {:.2f} m", distance_m,
-                           experiment_.vehicles[i].name, goalSpacingM(experiment_));
+      if (auto refusal = tooClose(i, candidate.points_m[0])) {
+        return refusal;
+      }
+    }
+  }
+  if (candidate.verb == Verb::kFormation && candidate.points_m.size() < members_.size()) {
+    const Assignment assignment = assign(candidate);
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      for (std::size_t j = 0; assignment[i] == kUnassigned && j < candidate.points_m.size(); ++j) {
+        if (auto refusal = tooClose(i, candidate.points_m[j])) {
+          return fmt::format("there is no point for {}: {}", experiment_.vehicles[i].name,
+                             *refusal);
+        }
       }
     }
   }
   return std::nullopt;
 }
 
+std::optional<std::string> Coordinator::tooClose(std::size_t standing,
+                                                 const Eigen::Vector3d& point_m) const {
+  const double distance_m = (placeOf(standing) - point_m).head<2>().norm();
+  if (distance_m >= goalSpacingM(experiment_)) {
+    return std::nullopt;
+  }
+  return fmt::format("the point is {:.2f} m from {}'s goal and must be {:.2f} m", distance_m,
+                     experiment_.vehicles[standing].name, goalSpacingM(experiment_));
+}
+
+Eigen::Vector3d Coordinator::placeOf(std::size_t vehicle) const {
+  const Member& member = members_[vehicle];
+  return member.goal ? member.goal->position_world_m : member.state.position_world_m;
+}
+
 void Coordinator::begin(core::Utime now) {
   step_time_ = 0;
   formed_time_ = 0;
-  if (live_) {
-    if (auto refusal = cannotBegin(step())) {
-      refuse(live_count_, *refusal);
+  if (auto refusal = cannotBegin(step())) {
+    if (live_) {
+      refuse(live_step_.mission_id, *refusal);
       next(now);
-      return;
+    } else {
+      fail(now, *refusal);
     }
+    return;
   }
   switch (step().verb) {
     case Verb::kTakeOff:
@@ -228,7 +289,8 @@ void Coordinator::begin(core::Utime now) {
       break;
     case Verb::kHold:
       phase_ = Phase::kHold;
-      stay(now);
+      // On the floor it calls off a take-off.
+      allOnFloor() ? sendAllDown(now) : stay(now);
       break;
     case Verb::kWait:
       phase_ = Phase::kHold;
@@ -248,28 +310,56 @@ void Coordinator::sendAllUp(core::Utime now) {
   }
 }
 
-void Coordinator::sendToFormation(core::Utime now) {
-  const std::vector<Eigen::Vector3d>& points_m = step().points_m;
-  Assignment assignment;
+Assignment Coordinator::assign(const Step& formation) const {
+  const std::vector<Eigen::Vector3d>& points_m = formation.points_m;
   if (experiment_.fleet.assignment == "optimal") {
+    if (resuming_) {
+      return assignAsReported(formation);
+    }
     std::vector<Eigen::Vector3d> places_m;
     for (const Member& member : members_) {
       places_m.push_back(member.state.position_world_m);
     }
-    assignment = assignOptimally(places_m, points_m);
-  } else if (experiment_.fleet.assignment == "in_order") {
-    assignment = assignInOrder(members_.size(), points_m.size());
-  } else {
-    const std::int64_t number =
-        live_ ? kFirstLiveId + live_count_ : static_cast<std::int64_t>(index_);
-    assignment = assignAtRandom(members_.size(), points_m.size(), experiment_.seed,
-                                fmt::format("assignment/{}", number));
+    return assignOptimally(places_m, points_m);
   }
+  if (experiment_.fleet.assignment == "in_order") {
+    return assignInOrder(members_.size(), points_m.size());
+  }
+  const std::int64_t number =
+      live_ ? kFirstLiveId + live_count_ : static_cast<std::int64_t>(index_);
+  return assignAtRandom(members_.size(), points_m.size(), experiment_.seed,
+                        fmt::format("assignment/{}", number));
+}
+
+/// The assignment under which the distances that the planners report fit best (least squares):
+/// where the vehicles were when it was made is forgotten.
+Assignment Coordinator::assignAsReported(const Step& formation) const {
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(formation.points_m.size()),
+                                               static_cast<Eigen::Index>(members_.size()));
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    // Who gets no point stays where it is.
-    setGoal(now, i, core::GoalPhase::kGo,
-            assignment[i] == kUnassigned ? members_[i].state.position_world_m
-                                         : points_m[assignment[i]]);
+    const double reported_m = planners_[i].distance_to_goal_m;
+    for (std::size_t j = 0; std::isfinite(reported_m) && j < formation.points_m.size(); ++j) {
+      const double distance_m =
+          (members_[i].state.position_world_m - formation.points_m[j]).head<2>().norm();
+      // A vehicle without a point stays where it is, at distance 0.
+      cost(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) =
+          (distance_m - reported_m) * (distance_m - reported_m) - reported_m * reported_m;
+    }
+  }
+  return assignAtLeastCost(cost);
+}
+
+void Coordinator::sendToFormation(core::Utime now) {
+  const Assignment assignment = assign(step());
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    Eigen::Vector3d position_m = placeOf(i);
+    if (assignment[i] != kUnassigned) {
+      position_m = step().points_m[assignment[i]];
+      if (step().at_own_heights) {
+        position_m.z() = experiment_.vehicles[i].height_m;
+      }
+    }
+    setGoal(now, i, core::GoalPhase::kGo, position_m);
   }
 }
 
@@ -286,8 +376,10 @@ void Coordinator::sendAllDown(core::Utime now) {
 }
 
 std::int64_t Coordinator::goalId(std::size_t vehicle) const {
-  const std::int64_t base = live_ ? kFirstLiveId + live_count_ * kIdsPerStep
-                                  : (static_cast<std::int64_t>(index_) + 1) * kIdsPerStep;
+  // The landing after a failure counts as the step after the last.
+  const auto file_step = static_cast<std::int64_t>(failure_.empty() ? index_ : file_steps_.size());
+  const std::int64_t base =
+      live_ ? kFirstLiveId + live_count_ * kIdsPerStep : (file_step + 1) * kIdsPerStep;
   return base + static_cast<std::int64_t>(vehicle);
 }
 
@@ -372,8 +464,19 @@ double Coordinator::distanceToGoal(std::size_t vehicle) const {
 }
 
 bool Coordinator::atGoal(std::size_t vehicle) const {
-  return distanceToGoal(vehicle) <= experiment_.fleet.at_goal_distance_m &&
+  return members_[vehicle].tracked &&
+         distanceToGoal(vehicle) <= experiment_.fleet.at_goal_distance_m &&
          members_[vehicle].state.velocity_world_mps.norm() <= experiment_.fleet.at_goal_speed_mps;
+}
+
+bool Coordinator::down(core::Utime now) const {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const bool landed = onFloor(i) && planners_[i].mode != PlannerMode::kLanding;
+    if (!landed && !out(i, now)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool Coordinator::complete(core::Utime now) const {
@@ -381,12 +484,14 @@ bool Coordinator::complete(core::Utime now) const {
   if (current.verb == Verb::kHold || current.verb == Verb::kWait) {
     return core::toSeconds(step_time_) >= current.seconds;
   }
+  if (current.verb == Verb::kLand) {
+    return down(now);
+  }
   if (current.verb == Verb::kGoTo) {
     return out(current.vehicle, now) || atGoal(current.vehicle);
   }
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    const bool there = current.verb == Verb::kLand ? onFloor(i) : atGoal(i);
-    if (!there && !out(i, now)) {
+    if (!atGoal(i) && !out(i, now)) {
       return false;
     }
   }
@@ -404,18 +509,18 @@ void Coordinator::advance(core::Utime now) {
     everybody_out = everybody_out && is_out;
     somebody_holds = somebody_holds || (!is_out && holding(i));
   }
+  noteAbsence(now);
   if (!somebody_holds) {
     step_time_ += tick_time_;
   }
   if (!failure_.empty()) {
-    if (allOnFloor() || everybody_out ||
-        core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
+    if (down(now) || core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
       phase_ = Phase::kFailed;
     }
     return;
   }
   if (everybody_out && step().verb != Verb::kLand) {
-    fail(now, "no vehicle is left: " + whoIsOut(now));
+    fail(now, "no vehicle is left: " + whoIsOut());
     return;
   }
   checkStep(now);
@@ -449,17 +554,34 @@ void Coordinator::checkStep(core::Utime now) {
 void Coordinator::fail(core::Utime now, const std::string& reason) {
   failure_ = reason;
   queue_.clear();
+  file_finished_ = true;
+  live_count_ += live_ ? 1 : 0;
   step_time_ = 0;
   phase_ = Phase::kLand;
   sendAllDown(now);
 }
 
-std::string Coordinator::whoIsOut(core::Utime now) const {
+void Coordinator::noteAbsence(core::Utime now) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    Member& member = members_[i];
+    const bool lands = member.goal && member.goal->phase == core::GoalPhase::kLand;
+    if (!out(i, now)) {
+      // Once all land, who takes part can no longer be told: what was known before stands.
+      member.absence = lands ? member.absence : "";
+    } else if (member.absence.empty() || !lands) {
+      member.absence = !alive(i, now)                              ? kSilent
+                       : planners_[i].mode == PlannerMode::kKilled ? "killed"
+                                                                   : "came down";
+    }
+  }
+}
+
+std::string Coordinator::whoIsOut() const {
   std::string text;
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (out(i, now)) {
+    if (!members_[i].absence.empty()) {
       text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", experiment_.vehicles[i].name,
-                          alive(i, now) ? "came down" : "planner silent");
+                          members_[i].absence);
     }
   }
   return text;
@@ -505,10 +627,10 @@ FleetStatus Coordinator::status(core::Utime now) const {
     return status;
   }
   status.reason = failure_;
-  if (failure_.empty() && stepping) {
-    const std::string absent = whoIsOut(now);
+  if (failure_.empty() && (stepping || phase_ == Phase::kDone)) {
+    const std::string absent = whoIsOut();
     status.reason = absent.empty() ? "" : "out: " + absent;
-    for (std::size_t i = 0; i < members_.size(); ++i) {
+    for (std::size_t i = 0; stepping && i < members_.size(); ++i) {
       if (holding(i) && !out(i, now)) {
         status.reason += fmt::format("{}{} holds", status.reason.empty() ? "" : "; ",
                                      experiment_.vehicles[i].name);

@@ -1,5 +1,6 @@
 #include "fleet/fleet_node.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,9 @@
 namespace roundabout::fleet {
 
 namespace {
+
+// A status that far ahead of the vehicle states has a corrupt stamp.
+constexpr core::Utime kFarAhead = 10 * core::kMicrosPerSecond;
 
 constexpr std::array<const char*, 8> kPhaseNames{"waiting", "idle",    "taking off", "going",
                                                  "formed",  "landing", "done",       "failed"};
@@ -87,9 +91,19 @@ void FleetNode::reject(std::string_view channel, const std::string& reason) {
   }
 }
 
+bool FleetNode::knows(const std::string& vehicle) const {
+  return std::any_of(experiment_.vehicles.begin(), experiment_.vehicles.end(),
+                     [&](const config::Vehicle& known) { return known.name == vehicle; });
+}
+
 void FleetNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
   if (bus::fromMessage(message, frame_) > 0) {
     reject(bus::kStatesChannel, "a vehicle's state is not finite or its orientation not unit");
+  }
+  for (const core::VehicleState& state : frame_.vehicles) {
+    if (!knows(state.name)) {
+      reject(bus::kStatesChannel, "a vehicle that the experiment does not have");
+    }
   }
   if (!gate_.accept(frame_.utime)) {
     reject(bus::kStatesChannel, "its time stamp is old, or corrupt");
@@ -113,17 +127,28 @@ void FleetNode::onPlannerStatus(std::size_t vehicle,
     reject(bus::plannerStatusChannel(name), "of another vehicle, or an unknown mode");
     return;
   }
+  if (gate_.last() > 0 && message.utime - gate_.last() > kFarAhead) {
+    reject(bus::plannerStatusChannel(name), "far ahead of the vehicle states");
+    return;
+  }
   // utime 0: it has just started and has no states yet.
   if (message.utime > 0 && message.utime < last_report_[vehicle]) {
     reject(bus::plannerStatusChannel(name), "older than the last one");
     return;
   }
   last_report_[vehicle] = message.utime;
-  coordinator_.onPlanner(vehicle,
-                         {message.utime, static_cast<PlannerMode>(message.mode), message.goal_id});
+  coordinator_.onPlanner(vehicle, {message.utime, static_cast<PlannerMode>(message.mode),
+                                   message.goal_id, message.distance_to_goal});
 }
 
 void FleetNode::onMission(const roundabout_msgs::mission_t& message) {
+  // What makes the fleet safer is obeyed whatever its stamp.
+  if (message.utime < last_mission_ && message.verb != "hold" && message.verb != "land") {
+    reject(bus::kMissionChannel, "older than the last one");
+    coordinator_.refuse(message.mission_id, "older than the mission before it");
+    return;
+  }
+  last_mission_ = std::max(last_mission_, message.utime);
   config::MissionStep asked;
   asked.verb = message.verb;
   asked.text = message.text;

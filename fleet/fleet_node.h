@@ -33,6 +33,7 @@ class FleetNode {
   int rejected() const { return rejected_; }
 
  private:
+  bool knows(const std::string& vehicle) const;
   void onStates(const roundabout_msgs::vehicle_states_t& message);
   void onPlannerStatus(std::size_t vehicle, const roundabout_msgs::planner_status_t& message);
   void onMission(const roundabout_msgs::mission_t& message);
@@ -47,6 +48,7 @@ class FleetNode {
   core::TickTimer timer_;
   core::StatesFrame frame_;
   std::vector<core::Utime> last_report_;
+  core::Utime last_mission_ = 0;
   WallTime last_announced_;
   int rejected_ = 0;
   std::map<std::string, int, std::less<>> rejected_on_;

@@ -1,5 +1,6 @@
 #include "fleet/mission.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>
@@ -13,8 +14,12 @@ namespace roundabout::fleet {
 namespace {
 
 constexpr std::size_t kLongestText = 200;
+// Goal ids tell the file's steps, and the landing after a failed one, from live steps.
+constexpr std::size_t kMostFileSteps = 998;
 
 }  // namespace
+
+bool needsAir(Verb verb) { return verb == Verb::kFormation || verb == Verb::kGoTo; }
 
 MissionReader::MissionReader(const config::Experiment& experiment) : experiment_(experiment) {}
 
@@ -78,6 +83,7 @@ StepsOrRefusal MissionReader::spell(const config::MissionStep& asked) const {
     step.verb = Verb::kFormation;
     step.name = std::string(1, character);
     step.points_m = std::move(std::get<std::vector<Eigen::Vector3d>>(points));
+    step.at_own_heights = ownGlyph(experiment_, character) == nullptr;
     steps.push_back(std::move(step));
   }
   return steps;
@@ -123,14 +129,27 @@ StepsOrRefusal MissionReader::goTo(const config::MissionStep& asked) const {
 
 std::vector<Step> MissionReader::readFile() const {
   std::vector<Step> steps;
+  bool in_air =
+      std::none_of(experiment_.vehicles.begin(), experiment_.vehicles.end(), config::flies);
+  const bool drives = in_air;
   for (std::size_t k = 0; k < experiment_.mission.size(); ++k) {
-    StepsOrRefusal read_steps = read(experiment_.mission[k]);
+    const config::MissionStep& asked = experiment_.mission[k];
+    StepsOrRefusal read_steps = read(asked);
+    const std::string what = fmt::format("mission[{}].{}", k, asked.verb);
     if (const auto* refusal = std::get_if<std::string>(&read_steps)) {
-      throw core::StartupError(experiment_.file,
-                               fmt::format("mission[{}].{}", k, experiment_.mission[k].verb),
-                               "something that can be flown", *refusal);
+      throw core::StartupError(experiment_.file, what, "something that can be flown", *refusal);
     }
     const auto& expanded = std::get<std::vector<Step>>(read_steps);
+    const Verb verb = expanded.front().verb;
+    if (!in_air && (needsAir(verb) || verb == Verb::kHold || asked.verb == "spell")) {
+      throw core::StartupError(experiment_.file, what, "take_off before anything in the air",
+                               "none");
+    }
+    in_air = drives || verb == Verb::kTakeOff || (in_air && verb != Verb::kLand);
+    if (steps.size() + expanded.size() > kMostFileSteps) {
+      throw core::StartupError(experiment_.file, what,
+                               fmt::format("at most {} steps and letters", kMostFileSteps), "more");
+    }
     steps.insert(steps.end(), expanded.begin(), expanded.end());
   }
   return steps;

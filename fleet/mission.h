@@ -14,11 +14,15 @@ namespace roundabout::fleet {
 
 enum class Verb { kTakeOff, kFormation, kGoTo, kHold, kWait, kLand };
 
+/// It makes no sense with all vehicles on the floor.
+bool needsAir(Verb verb);
+
 /// One thing that the fleet does: a spelled word has become one step a letter. Goals are checked.
 struct Step {
   Verb verb = Verb::kWait;
   std::string name;                       ///< formation: "C"; else empty
   std::vector<Eigen::Vector3d> points_m;  ///< kFormation: up to one a vehicle; kGoTo: one
+  bool at_own_heights = false;            ///< kFormation: each vehicle flies at its own height
   std::size_t vehicle = 0;                ///< kGoTo: index
   double seconds = 0.0;                   ///< kWait; kFormation and kHold: how long to stay
 };

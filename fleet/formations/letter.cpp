@@ -45,16 +45,24 @@ Eigen::Vector2d centreOf(const std::vector<Stroke>& strokes) {
 
 }  // namespace
 
+const std::vector<Eigen::Vector3d>* ownGlyph(const config::Experiment& experiment, char character) {
+  for (const config::NamedPoints& glyph : experiment.glyphs) {
+    if (glyph.name == std::string(1, character) &&
+        glyph.points_m.size() == experiment.vehicles.size()) {
+      return &glyph.points_m;
+    }
+  }
+  return nullptr;
+}
+
 PointsOrRefusal letterPoints(const config::Experiment& experiment, const StrokeFont& font,
                              char character) {
   const std::size_t count = experiment.vehicles.size();
-  for (const config::NamedPoints& glyph : experiment.glyphs) {
-    if (glyph.name == std::string(1, character) && glyph.points_m.size() == count) {
-      if (auto refusal = refuseGoals(experiment, glyph.points_m)) {
-        return fmt::format("'{}': {}", character, *refusal);
-      }
-      return glyph.points_m;
+  if (const auto* own = ownGlyph(experiment, character)) {
+    if (auto refusal = refuseGoals(experiment, *own)) {
+      return fmt::format("'{}': {}", character, *refusal);
     }
+    return *own;
   }
   if (!font.has(character)) {
     return fmt::format("'{}' (code {}) has no strokes: printable ASCII has", character,

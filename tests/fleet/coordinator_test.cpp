@@ -1,5 +1,6 @@
 #include "fleet/coordinator.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -229,6 +230,70 @@ TEST(Coordinator, GoesOnWithoutAVehicleWhosePlannerDied) {
   EXPECT_EQ(flight.status.vehicles_at_goal, 2);
 }
 
+TEST(Coordinator, IsDoneAndNamesAVehicleWhosePlannerDied) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  flight.silent[1] = true;
+  ASSERT_TRUE(flight.runUntil(Phase::kDone));
+  EXPECT_EQ(flight.status.reason, "out: v2 (planner silent)");
+}
+
+TEST(Coordinator, AMissionThatEndsWithAVehicleKilledHasFailed) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  flight.stuck[1] = true;
+  flight.vehicles[1].position_world_m.z() = 0.0;
+  flight.reports[1].mode = PlannerMode::kKilled;
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "I")) << "the others go on";
+  ASSERT_TRUE(flight.runUntil(Phase::kFailed));
+  EXPECT_EQ(flight.status.reason, "landed without: v2 (killed)");
+}
+
+TEST(Coordinator, AfterAFailureTheFilesMissionIsOver) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  flight.run(0.4);
+  flight.stuck[2] = true;
+  flight.run(62.0);
+  flight.stuck[2] = false;
+  ASSERT_TRUE(flight.runUntil(Phase::kFailed));
+  flight.coordinator.onMission(1, verb("take_off"));
+  ASSERT_TRUE(flight.runUntil(Phase::kIdle));
+  EXPECT_GE(flight.reports[0].goal_id, 1'000'000);
+  EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 1.0);
+}
+
+TEST(Coordinator, AVehicleThatTheCamerasDoNotSeeIsNotAtItsGoal) {
+  Flight flight(spelling("H"));
+  ASSERT_TRUE(flight.runUntil(Phase::kGo, "H"));
+  flight.vehicles[1].tracked = false;
+  flight.run(3.0);
+  EXPECT_EQ(flight.status.phase, Phase::kGo);
+  flight.vehicles[1].tracked = true;
+  EXPECT_TRUE(flight.runUntil(Phase::kHold, "H"));
+}
+
+TEST(Coordinator, APointOnAVehicleThatStaysEndsTheMission) {
+  config::Experiment experiment = withMission({verb("take_off"), formation("one", {{2.5, -5, 1}})});
+  experiment.fleet.assignment = "in_order";  // v2 stays at (2, -5)
+  Flight flight(experiment);
+  ASSERT_TRUE(flight.runUntil(Phase::kFailed));
+  EXPECT_NE(flight.status.reason.find("there is no point for v2: the point is 0.50 m from v2's"),
+            std::string::npos)
+      << flight.status.reason;
+}
+
+TEST(Coordinator, ALetterIsFlownAtEachVehiclesOwnHeight) {
+  config::Experiment experiment = spelling("H");
+  experiment.vehicles[2].height_m = 1.5;
+  for (experiment.seed = 0; experiment.seed < 6; ++experiment.seed) {
+    Flight flight(experiment);
+    ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+    EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 1.0);
+    EXPECT_DOUBLE_EQ(flight.vehicles[2].position_world_m.z(), 1.5);
+  }
+}
+
 TEST(Coordinator, FailsWhenAllWereLandedByTheOperator) {
   Flight flight(spelling("H"));
   ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
@@ -254,13 +319,67 @@ TEST(Coordinator, ARestartedFleetTakesOverAtTheSameStepWithTheSameGoals) {
   second.vehicles = flight.vehicles;
   second.reports = flight.reports;
   second.stuck = {true, true, true};
-  second.tick();
-  ASSERT_EQ(second.status.phase, Phase::kGo);
-  EXPECT_EQ(second.status.formation, "I");
+  ASSERT_TRUE(second.runUntil(Phase::kGo, "I"));
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(second.goals[i].goal_id, before[i].goal_id);
     EXPECT_EQ(second.goals[i].position_world_m, before[i].position_world_m);
   }
+}
+
+/// The same lab with a fleet process that was just started.
+Flight restarted(const config::Experiment& experiment, const Flight& before) {
+  Flight second(experiment);
+  second.now = before.now + 3'000'000;
+  second.vehicles = before.vehicles;
+  second.reports = before.reports;
+  return second;
+}
+
+TEST(Coordinator, ARestartedFleetFindsTheOptimalAssignmentAgain) {
+  config::Experiment experiment = spelling("HI");
+  experiment.fleet.assignment = "optimal";
+  Flight flight(experiment);
+  ASSERT_TRUE(flight.runUntil(Phase::kGo, "H"));
+  const std::vector<core::Goal> before = flight.goals;
+  ASSERT_EQ(before.size(), 3u);
+  // Driven apart on the way: an assignment made here and now would be another.
+  std::rotate(flight.vehicles.begin(), flight.vehicles.begin() + 1, flight.vehicles.end());
+  for (std::size_t i = 0; i < 3; ++i) {
+    flight.vehicles[i].name = experiment.vehicles[i].name;
+    flight.vehicles[i].position_world_m += Eigen::Vector3d(0.3, 0.1 * static_cast<double>(i), 0.0);
+    flight.reports[i].distance_to_goal_m =
+        (flight.vehicles[i].position_world_m - before[i].position_world_m).head<2>().norm();
+  }
+  Flight second = restarted(experiment, flight);
+  second.stuck = {true, true, true};
+  ASSERT_TRUE(second.runUntil(Phase::kGo, "H"));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(second.goals[i].goal_id, before[i].goal_id);
+    EXPECT_EQ(second.goals[i].position_world_m, before[i].position_world_m);
+  }
+}
+
+TEST(Coordinator, AFleetRestartedAfterAFailureGoesOnLanding) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  flight.run(0.4);
+  flight.stuck[2] = true;
+  ASSERT_TRUE(flight.runUntil(Phase::kLand));
+  EXPECT_EQ(flight.reports[0].goal_id, 5000) << "four steps, then the landing";
+  Flight second = restarted(spelling("HI"), flight);
+  ASSERT_TRUE(second.runUntil(Phase::kLand));
+  EXPECT_EQ(second.goals[0].phase, core::GoalPhase::kLand);
+  EXPECT_TRUE(second.runUntil(Phase::kFailed));
+}
+
+TEST(Coordinator, GoalsOfAnotherMissionAreLeftAlone) {
+  Flight flight(spelling("H"));
+  for (PlannerReport& report : flight.reports) {
+    report.goal_id = 77'000;
+  }
+  flight.run(2.0);
+  EXPECT_EQ(flight.status.phase, Phase::kIdle);
+  EXPECT_TRUE(flight.goals.empty());
 }
 
 TEST(Coordinator, ARestartDuringALiveMissionLeavesTheGoalsAlone) {
@@ -298,6 +417,18 @@ TEST(Coordinator, ALiveLandDropsWhatIsQueuedAndTheFilesMission) {
   EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 0.0);
 }
 
+TEST(Coordinator, ALiveOrdersGoalsGoOutOnTheNextTick) {
+  Flight flight(spelling("HI"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  flight.coordinator.onMission(1, verb("land"));
+  flight.tick();
+  ASSERT_EQ(flight.goals.size(), 3u);
+  for (const core::Goal& goal : flight.goals) {
+    EXPECT_EQ(goal.phase, core::GoalPhase::kLand);
+    EXPECT_EQ(goal.utime, flight.now);
+  }
+}
+
 TEST(Coordinator, RefusalsSayWhy) {
   Flight flight(withMission({}));
   flight.run(1.0);
@@ -313,7 +444,8 @@ TEST(Coordinator, RefusalsSayWhy) {
   EXPECT_NE(flight.status.refusals[0].find("\"dance\" is no verb"), std::string::npos);
   EXPECT_EQ(flight.status.refusals[1],
             "mission 5: goals 1 and 2 are 0.40 m apart and must be 1.10 m");
-  EXPECT_NE(flight.status.refusals[2].find("take off first"), std::string::npos);
+  std::sort(flight.status.refusals.begin(), flight.status.refusals.end());
+  EXPECT_EQ(flight.status.refusals[2], "mission 6: all vehicles are on the floor: take off first");
   EXPECT_NE(flight.status.refusals[3].find("no vehicle \"v9\""), std::string::npos);
 }
 
@@ -360,6 +492,10 @@ TEST(Coordinator, AFilesMissionThatCannotBeFlownEndsTheStart) {
                      "2 goals are more than 1 vehicles");
   expectStartupError(withMission({verb("spell", "A")}), "take_off before anything in the air");
   expectStartupError(withMission({verb("take_off"), verb("spell", "A\x07")}), "no strokes");
+  expectStartupError(withMission({verb("take_off"), verb("land"), verb("hold")}),
+                     "mission[2].hold: expected take_off before anything in the air");
+  expectStartupError(withMission(std::vector<config::MissionStep>(999, verb("wait"))),
+                     "mission[998].wait: expected at most 998 steps");
 }
 
 TEST(Coordinator, VehiclesThatDriveNeedNoTakeOff) {

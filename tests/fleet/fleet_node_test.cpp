@@ -152,6 +152,63 @@ TEST_F(FleetNodeTest, APointThatIsNoNumberIsRefused) {
   EXPECT_NE(statuses_.back().refusals[0].find("goal 1 is not a number"), std::string::npos);
 }
 
+TEST_F(FleetNodeTest, AnOldMissionIsRefusedUnlessItLandsTheFleet) {
+  run(1.0);
+  roundabout_msgs::mission_t mission{};
+  mission.utime = 2'000;
+  mission.verb = "wait";
+  bus::publish(lab_, "MISSION", mission);
+  mission.utime = 1'000;
+  mission.mission_id = 7;
+  bus::publish(lab_, "MISSION", mission);
+  run(0.4);
+  ASSERT_EQ(statuses_.back().num_refusals, 1);
+  EXPECT_EQ(statuses_.back().refusals[0], "mission 7: older than the mission before it");
+  mission.verb = "land";
+  bus::publish(lab_, "MISSION", mission);
+  run(0.4);
+  EXPECT_EQ(goals_.back().phase, int{roundabout_msgs::goal_t::LAND});
+}
+
+TEST_F(FleetNodeTest, AStrangerAmongTheVehiclesIsCountedAndTheOthersAreUsed) {
+  run(0.5);
+  core::StatesFrame frame;
+  frame.utime = now_ + 1;
+  frame.vehicles.resize(1);
+  frame.vehicles[0].name = "v9";
+  frame.vehicles[0].tracked = true;
+  bus::publish(lab_, "VEHICLE_STATES", bus::toMessage(frame));
+  deliver();
+  EXPECT_EQ(node_->rejected(), 1);
+}
+
+TEST_F(FleetNodeTest, AStatusFromTheFutureDoesNotSilenceAPlanner) {
+  run(1.0);
+  auto future = plannerStatus("v1");
+  future.utime = now_ + 3'600'000'000;
+  bus::publish(lab_, "PLANNER_STATUS_v1", future);
+  run(3.0);
+  EXPECT_EQ(node_->rejected(), 1);
+  EXPECT_TRUE(statuses_.back().vehicles[0].planner_alive);
+}
+
+TEST_F(FleetNodeTest, AFrameFromTheFutureIsRejectedAndAPauseOfTheCamerasSurvived) {
+  run(1.0);
+  const core::Utime before = now_;
+  now_ += 3'600'000'000;
+  sendFrame();
+  deliver();
+  EXPECT_EQ(node_->rejected(), 1);
+  now_ = before;
+  statuses_.clear();
+  run(1.0);
+  EXPECT_EQ(statuses_.size(), 5u);
+  now_ += 60'000'000;
+  statuses_.clear();
+  run(1.0);
+  EXPECT_GE(statuses_.size(), 4u);
+}
+
 TEST_F(FleetNodeTest, GarbageOnEveryChannelIsCountedAndSurvived) {
   run(0.5);
   const std::vector<std::byte> garbage(200, std::byte{0xa5});
