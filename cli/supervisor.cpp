@@ -137,7 +137,7 @@ void Supervisor::start(Role role, const std::string& program, const std::string&
   ProcessCommand command;
   command.name = vehicle.empty() ? program : program + "_" + vehicle;
   command.arguments = {(plan_.programs / program).string(), "--config",
-                       (plan_.folder / "experiment.yaml").string(), "--lcm-url", plan_.lcm_url};
+                       plan_.experimentFile().string(), "--lcm-url", plan_.lcm_url};
   if (!vehicle.empty()) {
     command.arguments.insert(command.arguments.end(), {"--vehicle", vehicle});
   }
@@ -165,7 +165,8 @@ void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
   const std::vector<std::string> lines = child.process->lastLines(kLinesShown);
   const std::string what = fmt::format("{}: {}", child.process->name(), status.describe());
   if (!flying()) {
-    throw ChildFailure(lines.empty() ? what + " before the flight began" : lines.back());
+    throw ChildFailure(lines.empty() ? what + " before the flight began"
+                                     : inTheUsersWords(lines.back()));
   }
   const std::string event = fmt::format("{:.2f} s: {}; {}", monitor_->progress().elapsed_s(), what,
                                         consequence(child.role));
@@ -174,6 +175,15 @@ void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
   for (const std::string& line : lines) {
     console_.say("    " + line);
   }
+}
+
+// Processes read the resolved experiment; the user knows the file that it came from.
+std::string Supervisor::inTheUsersWords(std::string line) const {
+  const std::string resolved = plan_.experimentFile().string();
+  if (const std::size_t at = line.find(resolved); at != std::string::npos) {
+    line.replace(at, resolved.size(), plan_.experiment.file);
+  }
+  return line;
 }
 
 void Supervisor::orderLanding() {

@@ -27,6 +27,8 @@ struct FlightPlan {
   std::string command_line;        ///< for the reader of the report
 
   std::filesystem::path logFile() const { return folder / "flight.lcm"; }
+  /// The experiment with all overrides, as the processes read it.
+  std::filesystem::path experimentFile() const { return folder / "experiment.yaml"; }
 };
 
 /// A process ended before the flight began. what() is its own last line.
@@ -68,6 +70,7 @@ class Supervisor {
   void requireNobodyFlies();
   void start(Role role, const std::string& program, const std::string& vehicle);
   void reap();
+  std::string inTheUsersWords(std::string line) const;
   void reportEnd(const Child& child, const ExitStatus& status);
   void orderLanding();
   void stopProcesses();

@@ -59,7 +59,7 @@ TEST_F(StartUp, RefusesGoalsThatAreTooClose) {
       write("close.yaml",
             "name: close\nvehicles: [{name: hex1}, {name: hex2}]\n"
             "mission: [take_off, {formation: {name: near, points: [[0, 0], [0.5, 0]]}}]\n"),
-      {"mission[1].formation", "0.50 m apart"});
+      {"close.yaml", "mission[1].formation", "0.50 m apart"});
 }
 
 TEST_F(StartUp, RefusesAFormationWithMorePointsThanVehicles) {
