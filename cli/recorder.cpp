@@ -21,7 +21,7 @@ using std::chrono::milliseconds;
 
 constexpr const char* kMarkerChannel = "LOG_MARKER";
 constexpr double kStartLimit_s = 5.0;
-constexpr double kCloseLimit_s = 2.0;
+constexpr double kCloseLimit_s = 20.0;  // of a logger that has fallen behind on a busy machine
 constexpr milliseconds kRepeat(20);
 constexpr milliseconds kLoggerExitLimit(5000);
 constexpr std::size_t kTailBytes = 1 << 16;
