@@ -20,8 +20,8 @@ constexpr std::size_t kRefusalsKept = 10;
 // More than a planner can send between two ticks, even after the fleet was away for a while.
 constexpr std::size_t kReportsKept = 100;
 constexpr std::size_t kLongestQueue = 1000;
-// The lockstep simulator waits for a planner's command, not for the status after it: only what was
-// sent with the command before is sure to be here.
+// A report counts from the second planning tick after its own. The one of the latest tick may or
+// may not have come when the fleet's tick is worked on, and which it is must not change the flight.
 constexpr core::Utime kReportDelay = 150'000;
 constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSilent = "planner silent";

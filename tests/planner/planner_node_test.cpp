@@ -95,7 +95,7 @@ TEST_F(PlannerNodeTest, AnnouncesItselfBeforeTheFirstState) {
   EXPECT_TRUE(commands_.empty());
 }
 
-TEST_F(PlannerNodeTest, AnswersEveryTickWithACommandThenAStatus) {
+TEST_F(PlannerNodeTest, AnswersEveryTickWithACommandAndAStatus) {
   sendFrames(200);
   ASSERT_EQ(commands_.size(), 11u) << "the first frame, and ten ticks";
   ASSERT_EQ(statuses_.size(), 11u);
