@@ -15,59 +15,16 @@ namespace {
 
 constexpr std::int64_t kIdsPerStep = 1000;
 constexpr std::int64_t kFirstLiveId = 1'000'000;
-constexpr double kPlannerSilent_s = 1.0;
 constexpr std::size_t kRefusalsKept = 10;
-// More than a planner can send between two ticks, even after the fleet was away for a while.
-constexpr std::size_t kReportsKept = 100;
 constexpr std::size_t kLongestQueue = 1000;
-// A report counts from the second planning tick after its own. The one of the latest tick may or
-// may not have come when the fleet's tick is worked on, and which it is must not change the flight.
-constexpr core::Utime kReportDelay = 150'000;
-constexpr double kNoDistance = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kSilent = "planner silent";
 
 }  // namespace
 
 Coordinator::Coordinator(const config::Experiment& experiment)
     : experiment_(experiment),
+      roster_(experiment),
       reader_(experiment),
-      file_steps_(reader_.readFile()),
-      members_(experiment.vehicles.size()),
-      planners_(experiment.vehicles.size()),
-      pending_reports_(experiment.vehicles.size()) {}
-
-void Coordinator::onPlanner(std::size_t vehicle, const PlannerReport& report) {
-  std::deque<PlannerReport>& pending = pending_reports_[vehicle];
-  pending.push_back(report);
-  if (pending.size() > kReportsKept) {
-    pending.pop_front();
-  }
-}
-
-void Coordinator::applyReports(core::Utime now) {
-  for (std::size_t i = 0; i < planners_.size(); ++i) {
-    std::deque<PlannerReport>& pending = pending_reports_[i];
-    while (!pending.empty() && pending.front().utime + kReportDelay < now) {
-      planners_[i] = pending.front();
-      pending.pop_front();
-    }
-  }
-}
-
-void Coordinator::applyFrame(const core::StatesFrame& frame) {
-  for (Member& member : members_) {
-    member.tracked = false;
-  }
-  for (const core::VehicleState& state : frame.vehicles) {
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      if (state.tracked && experiment_.vehicles[i].name == state.name) {
-        members_[i].state = state;
-        members_[i].seen = true;
-        members_[i].tracked = true;
-      }
-    }
-  }
-}
+      file_steps_(reader_.readFile()) {}
 
 void Coordinator::onMission(std::int64_t mission_id, const config::MissionStep& asked) {
   if (asked_.size() >= kLongestQueue) {
@@ -129,10 +86,9 @@ Coordinator::Output Coordinator::tick(const core::StatesFrame& frame) {
   outbox_.clear();
   tick_time_ = last_tick_ > 0 ? frame.utime - last_tick_ : 0;
   last_tick_ = frame.utime;
-  applyFrame(frame);
-  applyReports(frame.utime);
+  roster_.update(frame);
   if (phase_ == Phase::kWaiting) {
-    if (everybodyIsThere()) {
+    if (roster_.complete()) {
       start(frame.utime);
     }
   } else {
@@ -143,17 +99,10 @@ Coordinator::Output Coordinator::tick(const core::StatesFrame& frame) {
   return {outbox_, status(frame.utime)};
 }
 
-bool Coordinator::everybodyIsThere() const {
-  return std::all_of(members_.begin(), members_.end(),
-                     [](const Member& member) { return member.seen; }) &&
-         std::all_of(planners_.begin(), planners_.end(),
-                     [](const PlannerReport& planner) { return planner.utime > 0; });
-}
-
 void Coordinator::start(core::Utime now) {
   std::int64_t known_id = 0;
-  for (const PlannerReport& planner : planners_) {
-    known_id = std::max(known_id, planner.goal_id);
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    known_id = std::max(known_id, roster_[i].planner.goal_id);
   }
   if (known_id > 0) {
     takeOver(now, known_id);
@@ -210,21 +159,19 @@ void Coordinator::finish() {
     phase_ = Phase::kIdle;
     return;
   }
-  const bool came_down = std::any_of(members_.begin(), members_.end(), [](const Member& member) {
-    return !member.absence.empty() && member.absence != kSilent;
-  });
+  const bool came_down = roster_.anybodyCameDown();
   if (came_down) {
-    failure_ = "landed without: " + whoIsOut();
+    failure_ = "landed without: " + roster_.whoIsOut();
   }
   phase_ = came_down ? Phase::kFailed : Phase::kDone;
 }
 
 std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const {
-  if (needsAir(candidate.verb) && allOnFloor()) {
+  if (needsAir(candidate.verb) && roster_.allOnFloor()) {
     return "all vehicles are on the floor: take off first";
   }
   if (candidate.verb == Verb::kGoTo) {
-    for (std::size_t i = 0; i < members_.size(); ++i) {
+    for (std::size_t i = 0; i < roster_.size(); ++i) {
       if (i == candidate.vehicle) {
         continue;
       }
@@ -233,9 +180,9 @@ std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const
       }
     }
   }
-  if (candidate.verb == Verb::kFormation && candidate.points_m.size() < members_.size()) {
+  if (candidate.verb == Verb::kFormation && candidate.points_m.size() < roster_.size()) {
     const Assignment assignment = assign(candidate);
-    for (std::size_t i = 0; i < members_.size(); ++i) {
+    for (std::size_t i = 0; i < roster_.size(); ++i) {
       for (std::size_t j = 0; assignment[i] == kUnassigned && j < candidate.points_m.size(); ++j) {
         if (auto refusal = tooClose(i, candidate.points_m[j])) {
           return fmt::format("there is no point for {}: {}", experiment_.vehicles[i].name,
@@ -249,17 +196,12 @@ std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const
 
 std::optional<std::string> Coordinator::tooClose(std::size_t standing,
                                                  const Eigen::Vector3d& point_m) const {
-  const double distance_m = (placeOf(standing) - point_m).head<2>().norm();
+  const double distance_m = (roster_.placeOf(standing) - point_m).head<2>().norm();
   if (distance_m >= goalSpacingM(experiment_)) {
     return std::nullopt;
   }
   return fmt::format("the point is {:.2f} m from {}'s goal and must be {:.2f} m", distance_m,
                      experiment_.vehicles[standing].name, goalSpacingM(experiment_));
-}
-
-Eigen::Vector3d Coordinator::placeOf(std::size_t vehicle) const {
-  const Member& member = members_[vehicle];
-  return member.goal ? member.goal->position_world_m : member.state.position_world_m;
 }
 
 void Coordinator::begin(core::Utime now) {
@@ -290,7 +232,7 @@ void Coordinator::begin(core::Utime now) {
     case Verb::kHold:
       phase_ = Phase::kHold;
       // On the floor it calls off a take-off.
-      allOnFloor() ? sendAllDown(now) : stay(now);
+      roster_.allOnFloor() ? sendAllDown(now) : stay(now);
       break;
     case Verb::kWait:
       phase_ = Phase::kHold;
@@ -303,8 +245,8 @@ void Coordinator::begin(core::Utime now) {
 }
 
 void Coordinator::sendAllUp(core::Utime now) {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    Eigen::Vector3d above = members_[i].state.position_world_m;
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    Eigen::Vector3d above = roster_[i].state.position_world_m;
     above.z() = experiment_.vehicles[i].height_m;
     setGoal(now, i, core::GoalPhase::kTakeOff, above);
   }
@@ -317,17 +259,17 @@ Assignment Coordinator::assign(const Step& formation) const {
       return assignAsReported(formation);
     }
     std::vector<Eigen::Vector3d> places_m;
-    for (const Member& member : members_) {
-      places_m.push_back(member.state.position_world_m);
+    for (std::size_t i = 0; i < roster_.size(); ++i) {
+      places_m.push_back(roster_[i].state.position_world_m);
     }
     return assignOptimally(places_m, points_m);
   }
   if (experiment_.fleet.assignment == "in_order") {
-    return assignInOrder(members_.size(), points_m.size());
+    return assignInOrder(roster_.size(), points_m.size());
   }
   const std::int64_t number =
       live_ ? kFirstLiveId + live_count_ : static_cast<std::int64_t>(index_);
-  return assignAtRandom(members_.size(), points_m.size(), experiment_.seed,
+  return assignAtRandom(roster_.size(), points_m.size(), experiment_.seed,
                         fmt::format("assignment/{}", number));
 }
 
@@ -335,12 +277,12 @@ Assignment Coordinator::assign(const Step& formation) const {
 /// where the vehicles were when it was made is forgotten.
 Assignment Coordinator::assignAsReported(const Step& formation) const {
   Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(formation.points_m.size()),
-                                               static_cast<Eigen::Index>(members_.size()));
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    const double reported_m = planners_[i].distance_to_goal_m;
+                                               static_cast<Eigen::Index>(roster_.size()));
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    const double reported_m = roster_[i].planner.distance_to_goal_m;
     for (std::size_t j = 0; std::isfinite(reported_m) && j < formation.points_m.size(); ++j) {
       const double distance_m =
-          (members_[i].state.position_world_m - formation.points_m[j]).head<2>().norm();
+          (roster_[i].state.position_world_m - formation.points_m[j]).head<2>().norm();
       // A vehicle without a point stays where it is, at distance 0.
       cost(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) =
           (distance_m - reported_m) * (distance_m - reported_m) - reported_m * reported_m;
@@ -351,8 +293,8 @@ Assignment Coordinator::assignAsReported(const Step& formation) const {
 
 void Coordinator::sendToFormation(core::Utime now) {
   const Assignment assignment = assign(step());
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    Eigen::Vector3d position_m = placeOf(i);
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    Eigen::Vector3d position_m = roster_.placeOf(i);
     if (assignment[i] != kUnassigned) {
       position_m = step().points_m[assignment[i]];
       if (step().at_own_heights) {
@@ -364,14 +306,14 @@ void Coordinator::sendToFormation(core::Utime now) {
 }
 
 void Coordinator::stay(core::Utime now) {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    setGoal(now, i, core::GoalPhase::kGo, members_[i].state.position_world_m);
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    setGoal(now, i, core::GoalPhase::kGo, roster_[i].state.position_world_m);
   }
 }
 
 void Coordinator::sendAllDown(core::Utime now) {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    setGoal(now, i, core::GoalPhase::kLand, members_[i].state.position_world_m);
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    setGoal(now, i, core::GoalPhase::kLand, roster_[i].state.position_world_m);
   }
 }
 
@@ -392,106 +334,33 @@ void Coordinator::setGoal(core::Utime now, std::size_t vehicle, core::GoalPhase 
   goal.position_world_m = position_m;
   goal.heading_world_rad = std::numeric_limits<double>::quiet_NaN();
   goal.phase = phase;
-  members_[vehicle].goal = goal;
-  members_[vehicle].goal_sent = now;
+  roster_.setGoal(vehicle, goal);
   outbox_.push_back(goal);
 }
 
 void Coordinator::repeatGoals(core::Utime now) {
-  for (Member& member : members_) {
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    const Roster::Member& member = roster_[i];
     if (member.goal && core::toSeconds(now - member.goal_sent) >= experiment_.fleet.goal_repeat_s) {
       outbox_.push_back(*member.goal);
-      member.goal_sent = now;
+      roster_.markSent(i, now);
     }
   }
 }
 
-bool Coordinator::alive(std::size_t vehicle, core::Utime now) const {
-  const PlannerReport& planner = planners_[vehicle];
-  return planner.utime > 0 && core::toSeconds(now - planner.utime) <= kPlannerSilent_s;
-}
-
-bool Coordinator::holding(std::size_t vehicle) const {
-  return planners_[vehicle].mode == PlannerMode::kHolding;
-}
-
-bool Coordinator::onFloor(std::size_t vehicle) const {
-  const double height_m = members_[vehicle].state.position_world_m.z() - experiment_.room.min_m.z();
-  const PlannerMode mode = planners_[vehicle].mode;
-  return config::flies(experiment_.vehicles[vehicle])
-             ? height_m <= experiment_.safety.airborne_height_m
-             : mode == PlannerMode::kLanded || mode == PlannerMode::kKilled;
-}
-
-bool Coordinator::allOnFloor() const {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (!onFloor(i)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool Coordinator::out(std::size_t vehicle, core::Utime now) const {
-  if (!alive(vehicle, now)) {
-    return true;
-  }
-  const Member& member = members_[vehicle];
-  const PlannerReport& planner = planners_[vehicle];
-  if (!member.goal || planner.goal_id != member.goal->goal_id) {
-    return planner.mode == PlannerMode::kKilled;
-  }
-  const bool comes_down =
-      planner.mode == PlannerMode::kLanding || planner.mode == PlannerMode::kLanded;
-  switch (member.goal->phase) {
-    case core::GoalPhase::kLand:
-      return planner.mode == PlannerMode::kKilled;
-    case core::GoalPhase::kTakeOff:
-      return comes_down || planner.mode == PlannerMode::kKilled;
-    case core::GoalPhase::kGo:
-      break;
-  }
-  return comes_down || planner.mode == PlannerMode::kKilled || onFloor(vehicle);
-}
-
-double Coordinator::distanceToGoal(std::size_t vehicle) const {
-  const Member& member = members_[vehicle];
-  if (!member.goal || !member.seen) {
-    return kNoDistance;
-  }
-  const Eigen::Vector3d way = member.goal->position_world_m - member.state.position_world_m;
-  return config::flies(experiment_.vehicles[vehicle]) ? way.norm() : way.head<2>().norm();
-}
-
-bool Coordinator::atGoal(std::size_t vehicle) const {
-  return members_[vehicle].tracked &&
-         distanceToGoal(vehicle) <= experiment_.fleet.at_goal_distance_m &&
-         members_[vehicle].state.velocity_world_mps.norm() <= experiment_.fleet.at_goal_speed_mps;
-}
-
-bool Coordinator::down(core::Utime now) const {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    const bool landed = onFloor(i) && planners_[i].mode != PlannerMode::kLanding;
-    if (!landed && !out(i, now)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool Coordinator::complete(core::Utime now) const {
+bool Coordinator::complete() const {
   const Step& current = step();
   if (current.verb == Verb::kHold || current.verb == Verb::kWait) {
     return core::toSeconds(step_time_) >= current.seconds;
   }
   if (current.verb == Verb::kLand) {
-    return down(now);
+    return roster_.down();
   }
   if (current.verb == Verb::kGoTo) {
-    return out(current.vehicle, now) || atGoal(current.vehicle);
+    return roster_.out(current.vehicle) || roster_.atGoal(current.vehicle);
   }
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (!atGoal(i) && !out(i, now)) {
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    if (!roster_.atGoal(i) && !roster_.out(i)) {
       return false;
     }
   }
@@ -502,25 +371,22 @@ void Coordinator::advance(core::Utime now) {
   if (phase_ == Phase::kIdle || phase_ == Phase::kDone || phase_ == Phase::kFailed) {
     return;
   }
+  roster_.noteAbsences();
   bool somebody_holds = false;
-  bool everybody_out = true;
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    const bool is_out = out(i, now);
-    everybody_out = everybody_out && is_out;
-    somebody_holds = somebody_holds || (!is_out && holding(i));
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
+    somebody_holds = somebody_holds || roster_.holds(i);
   }
-  noteAbsence(now);
   if (!somebody_holds) {
     step_time_ += tick_time_;
   }
   if (!failure_.empty()) {
-    if (down(now) || core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
+    if (roster_.down() || core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
       phase_ = Phase::kFailed;
     }
     return;
   }
-  if (everybody_out && step().verb != Verb::kLand) {
-    fail(now, "no vehicle is left: " + whoIsOut());
+  if (roster_.allOut() && step().verb != Verb::kLand) {
+    fail(now, "no vehicle is left: " + roster_.whoIsOut());
     return;
   }
   checkStep(now);
@@ -535,7 +401,7 @@ void Coordinator::checkStep(core::Utime now) {
     }
     return;
   }
-  if (complete(now)) {
+  if (complete()) {
     if (current.verb == Verb::kFormation) {
       phase_ = Phase::kHold;
     } else {
@@ -547,7 +413,7 @@ void Coordinator::checkStep(core::Utime now) {
   if (timed && core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
     fail(now, fmt::format("{} was not complete after {:.0f} s: {}",
                           current.name.empty() ? "the step" : "\"" + current.name + "\"",
-                          experiment_.fleet.step_timeout_s, whoIsMissing()));
+                          experiment_.fleet.step_timeout_s, roster_.whoIsNotAtGoal()));
   }
 }
 
@@ -559,43 +425,6 @@ void Coordinator::fail(core::Utime now, const std::string& reason) {
   step_time_ = 0;
   phase_ = Phase::kLand;
   sendAllDown(now);
-}
-
-void Coordinator::noteAbsence(core::Utime now) {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    Member& member = members_[i];
-    const bool lands = member.goal && member.goal->phase == core::GoalPhase::kLand;
-    if (!out(i, now)) {
-      // Once all land, who takes part can no longer be told: what was known before stands.
-      member.absence = lands ? member.absence : "";
-    } else if (member.absence.empty() || !lands) {
-      member.absence = !alive(i, now)                              ? kSilent
-                       : planners_[i].mode == PlannerMode::kKilled ? "killed"
-                                                                   : "came down";
-    }
-  }
-}
-
-std::string Coordinator::whoIsOut() const {
-  std::string text;
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (!members_[i].absence.empty()) {
-      text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", experiment_.vehicles[i].name,
-                          members_[i].absence);
-    }
-  }
-  return text;
-}
-
-std::string Coordinator::whoIsMissing() const {
-  std::string text;
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (!atGoal(i)) {
-      text += fmt::format("{}{} is {:.2f} m from its goal", text.empty() ? "" : ", ",
-                          experiment_.vehicles[i].name, distanceToGoal(i));
-    }
-  }
-  return text;
 }
 
 FleetStatus Coordinator::status(core::Utime now) const {
@@ -611,13 +440,13 @@ FleetStatus Coordinator::status(core::Utime now) const {
   if (phase_ != Phase::kWaiting) {
     status.step = std::min(static_cast<int>(index_), status.num_steps - 1);
   }
-  for (std::size_t i = 0; i < members_.size(); ++i) {
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
     Progress progress;
-    progress.goal = members_[i].goal;
-    progress.distance_m = distanceToGoal(i);
-    progress.at_goal = atGoal(i);
-    progress.planner_alive = alive(i, now);
-    progress.planner_mode = planners_[i].mode;
+    progress.goal = roster_[i].goal;
+    progress.distance_m = roster_.distanceToGoalM(i);
+    progress.at_goal = roster_.atGoal(i);
+    progress.planner_alive = roster_.alive(i);
+    progress.planner_mode = roster_[i].planner.mode;
     status.vehicles_at_goal += progress.at_goal ? 1 : 0;
     status.vehicles.push_back(progress);
   }
@@ -628,10 +457,10 @@ FleetStatus Coordinator::status(core::Utime now) const {
   }
   status.reason = failure_;
   if (failure_.empty() && (stepping || phase_ == Phase::kDone)) {
-    const std::string absent = whoIsOut();
+    const std::string absent = roster_.whoIsOut();
     status.reason = absent.empty() ? "" : "out: " + absent;
-    for (std::size_t i = 0; stepping && i < members_.size(); ++i) {
-      if (holding(i) && !out(i, now)) {
+    for (std::size_t i = 0; stepping && i < roster_.size(); ++i) {
+      if (roster_.holds(i)) {
         status.reason += fmt::format("{}{} holds", status.reason.empty() ? "" : "; ",
                                      experiment_.vehicles[i].name);
       }
@@ -643,20 +472,14 @@ FleetStatus Coordinator::status(core::Utime now) const {
 FleetStatus Coordinator::waitingStatus() const {
   FleetStatus status;
   status.num_steps = static_cast<int>(file_steps_.size());
-  std::string missing;
-  for (std::size_t i = 0; i < members_.size(); ++i) {
+  for (std::size_t i = 0; i < roster_.size(); ++i) {
     Progress progress;
-    progress.distance_m = kNoDistance;
-    progress.planner_alive = planners_[i].utime > 0 || !pending_reports_[i].empty();
-    progress.planner_mode = planners_[i].mode;
+    progress.distance_m = std::numeric_limits<double>::quiet_NaN();
+    progress.planner_alive = roster_.everHeardOf(i);
+    progress.planner_mode = roster_[i].planner.mode;
     status.vehicles.push_back(progress);
-    const char* what = !progress.planner_alive ? "'s planner"
-                       : !members_[i].seen     ? "'s state"
-                                               : nullptr;
-    if (what != nullptr) {
-      missing += (missing.empty() ? "" : ", ") + experiment_.vehicles[i].name + what;
-    }
   }
+  const std::string missing = roster_.whatIsMissing();
   status.reason = missing.empty() ? "" : "waits for " + missing;
   return status;
 }

@@ -9,10 +9,10 @@
 
 #include "common/config/experiment.h"
 #include "common/core/command.h"
-#include "common/core/planner_mode.h"
 #include "common/core/vehicle_state.h"
 #include "fleet/assignment.h"
 #include "fleet/mission.h"
+#include "fleet/roster.h"
 
 namespace roundabout::fleet {
 
@@ -26,16 +26,6 @@ enum class Phase : std::int8_t {
   kLand = 5,
   kDone = 6,
   kFailed = 7
-};
-
-using core::PlannerMode;
-
-/// The latest of a planner's statuses.
-struct PlannerReport {
-  core::Utime utime = 0;  ///< data time; 0: it has no states yet
-  PlannerMode mode = PlannerMode::kNeverHeard;
-  std::int64_t goal_id = 0;
-  double distance_to_goal_m = std::numeric_limits<double>::quiet_NaN();  ///< horizontal
 };
 
 struct Progress {
@@ -62,10 +52,9 @@ struct FleetStatus {
 /// it is not. No wires, no clock but the frames'.
 ///
 /// Steps of the file's mission have goal ids (k + 1) * 1000 + vehicle, so that a fleet process that
-/// was restarted during a flight learns from the planners where it was. A vehicle is *out* while
-/// its planner does not answer or has landed or killed it on its own account: the mission goes on
-/// without it. A mission that ends with a vehicle landed or killed that way has failed. While a
-/// vehicle holds for safety's sake, time-outs stand still.
+/// was restarted during a flight learns from the planners where it was. The mission goes on without
+/// a vehicle that is out (Roster). A mission that ends with a vehicle landed or killed on its own
+/// account has failed. While a vehicle holds for safety's sake, time-outs stand still.
 class Coordinator {
  public:
   struct Output {
@@ -76,9 +65,10 @@ class Coordinator {
   /// Throws core::StartupError if the file's mission cannot be flown.
   explicit Coordinator(const config::Experiment& experiment);
 
-  /// Takes effect at the first tick 0.15 s after its utime, so that it does not matter who hears
-  /// what a little sooner.
-  void onPlanner(std::size_t vehicle, const PlannerReport& report);
+  /// Takes effect at the first tick with a later utime.
+  void onPlanner(std::size_t vehicle, const PlannerReport& report) {
+    roster_.onPlanner(vehicle, report);
+  }
 
   /// A live mission step, looked at on the next tick. Hold and land then take effect at once and
   /// drop what is queued; the rest waits for its turn.
@@ -93,15 +83,6 @@ class Coordinator {
   FleetStatus waitingStatus() const;
 
  private:
-  struct Member {
-    core::VehicleState state;  ///< the last in which it was tracked
-    bool seen = false;
-    bool tracked = false;  ///< in the newest frame
-    std::string absence;   ///< why the mission goes on without it; empty: it takes part
-    std::optional<core::Goal> goal;
-    core::Utime goal_sent = 0;
-  };
-
   struct Asked {
     std::int64_t mission_id;
     config::MissionStep step;
@@ -111,10 +92,7 @@ class Coordinator {
     Step step;
   };
 
-  void applyReports(core::Utime now);
-  void applyFrame(const core::StatesFrame& frame);
   void repeatGoals(core::Utime now);
-  bool everybodyIsThere() const;
   void start(core::Utime now);
   void takeOver(core::Utime now, std::int64_t known_id);
   void takeMissions(core::Utime now);
@@ -130,38 +108,24 @@ class Coordinator {
   void sendToFormation(core::Utime now);
   Assignment assign(const Step& formation) const;
   Assignment assignAsReported(const Step& formation) const;
-  Eigen::Vector3d placeOf(std::size_t vehicle) const;
   void stay(core::Utime now);
   void sendAllDown(core::Utime now);
   void setGoal(core::Utime now, std::size_t vehicle, core::GoalPhase phase,
                const Eigen::Vector3d& position_m);
   std::optional<std::string> cannotBegin(const Step& step) const;
   std::optional<std::string> tooClose(std::size_t standing, const Eigen::Vector3d& point_m) const;
-  bool complete(core::Utime now) const;
-  bool down(core::Utime now) const;
+  bool complete() const;
 
   const Step& step() const { return live_ ? live_step_.step : file_steps_[index_]; }
   std::int64_t goalId(std::size_t vehicle) const;
-  bool alive(std::size_t vehicle, core::Utime now) const;
-  bool out(std::size_t vehicle, core::Utime now) const;
-  void noteAbsence(core::Utime now);
-  std::string whoIsOut() const;
-  std::string whoIsMissing() const;
-  bool holding(std::size_t vehicle) const;
-  bool onFloor(std::size_t vehicle) const;
-  bool allOnFloor() const;
-  double distanceToGoal(std::size_t vehicle) const;
-  bool atGoal(std::size_t vehicle) const;
   FleetStatus status(core::Utime now) const;
 
   const config::Experiment& experiment_;
+  Roster roster_;
   MissionReader reader_;
   std::vector<Step> file_steps_;
   std::deque<Queued> queue_;  // of live steps
   std::vector<Asked> asked_;  // since the last tick
-  std::vector<Member> members_;
-  std::vector<PlannerReport> planners_;
-  std::vector<std::deque<PlannerReport>> pending_reports_;
   std::vector<core::Goal> outbox_;
   std::deque<std::string> refusals_;
 

@@ -15,14 +15,11 @@ namespace roundabout::fleet {
 
 namespace {
 
-// A status that far ahead of the vehicle states has a corrupt stamp.
-constexpr core::Utime kFarAhead = 10 * core::kMicrosPerSecond;
-
 constexpr std::array<const char*, 8> kPhaseNames{"waiting", "idle",    "taking off", "going",
                                                  "formed",  "landing", "done",       "failed"};
 
 roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
-                                          const config::Experiment& experiment) {
+                                          const config::Experiment& experiment, int rejected) {
   roundabout_msgs::fleet_status_t message;
   message.utime = status.utime;
   message.num_vehicles = static_cast<std::int32_t>(status.vehicles.size());
@@ -49,6 +46,7 @@ roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
   message.num_steps = status.num_steps;
   message.vehicles_at_goal = status.vehicles_at_goal;
   message.reason = status.reason;
+  message.rejected_messages = rejected;
   return message;
 }
 
@@ -127,7 +125,7 @@ void FleetNode::onPlannerStatus(std::size_t vehicle,
     reject(bus::plannerStatusChannel(name), "of another vehicle, or an unknown mode");
     return;
   }
-  if (gate_.last() > 0 && message.utime - gate_.last() > kFarAhead) {
+  if (gate_.last() > 0 && message.utime - gate_.last() > core::kFarAhead) {
     reject(bus::plannerStatusChannel(name), "far ahead of the vehicle states");
     return;
   }
@@ -171,7 +169,7 @@ void FleetNode::onWallClock(WallTime now) {
 
 void FleetNode::publishStatus(const FleetStatus& status) {
   logProgress(status);
-  bus::publish(bus_, bus::kFleetStatusChannel, toMessage(status, experiment_));
+  bus::publish(bus_, bus::kFleetStatusChannel, toMessage(status, experiment_, rejected_));
 }
 
 void FleetNode::logProgress(const FleetStatus& status) {

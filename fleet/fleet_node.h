@@ -29,9 +29,6 @@ class FleetNode {
   /// Call at least every 50 ms: announces itself before the first state.
   void onWallClock(WallTime now);
 
-  /// Messages that were not acceptable: garbage, old, from or for unknown vehicles.
-  int rejected() const { return rejected_; }
-
  private:
   bool knows(const std::string& vehicle) const;
   void onStates(const roundabout_msgs::vehicle_states_t& message);

@@ -17,8 +17,6 @@ namespace {
 constexpr double kHeightReached_m = 0.15;
 // Slower than this, a vehicle on the floor has landed (and one that drives has stopped).
 constexpr double kAtRest_mps = 0.1;
-// A goal from that far in the future has a corrupt stamp.
-constexpr core::Utime kFarAhead = 10 * core::kMicrosPerSecond;
 
 std::size_t indexOf(const config::Experiment& experiment, const std::string& vehicle) {
   std::string known;
@@ -70,7 +68,7 @@ std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& f
 
 void PlannerCore::onGoal(const core::Goal& goal) {
   const bool stale = goal_ && goal.utime < goal_->utime;
-  const bool corrupt = started() && goal.utime - gate_.last() > kFarAhead;
+  const bool corrupt = started() && goal.utime - gate_.last() > core::kFarAhead;
   const bool outside =
       goal.phase != core::GoalPhase::kLand && !room_.inside(goal.position_world_m.head<2>());
   if (goal.vehicle != vehicle().name || stale || corrupt || outside) {

@@ -3,7 +3,6 @@
 namespace roundabout::core {
 
 bool FrameGate::accept(Utime utime) {
-  constexpr Utime kFarAhead = 10 * kMicrosPerSecond;
   constexpr int kAgreeing = 10;
   if (utime <= last_) {
     return false;

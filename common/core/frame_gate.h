@@ -4,8 +4,11 @@
 
 namespace roundabout::core {
 
-/// Refuses frames whose time stamp is not newer than the last, or is so far ahead that it can only
-/// be corrupt (until ten in a row agree: then the source was away for that long).
+/// A time stamp that far ahead of the vehicle states is corrupt.
+constexpr Utime kFarAhead = 10 * kMicrosPerSecond;
+
+/// Refuses frames whose time stamp is not newer than the last, or far ahead (until ten in a row
+/// agree: then the source was away for that long).
 class FrameGate {
  public:
   bool accept(Utime utime);

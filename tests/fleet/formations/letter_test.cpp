@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "common/core/error.h"
 #include "fleet/formations/spread.h"
 #include "fleet/goal_check.h"
 #include "tests/fleet/small_fleet.h"
@@ -31,38 +30,6 @@ double distanceToStrokes(const Eigen::Vector2d& point, const std::vector<Stroke>
     }
   }
   return best;
-}
-
-TEST(StrokeFont, HasEveryPrintableCharacter) {
-  const StrokeFont font;
-  for (char character = '!'; character <= '~'; ++character) {
-    EXPECT_TRUE(font.has(character)) << character;
-  }
-  EXPECT_FALSE(font.has(' '));
-  EXPECT_FALSE(font.has('\n'));
-}
-
-TEST(StrokeFont, ACapitalIsOneUnitHigh) {
-  const StrokeFont font;
-  double low = 10.0;
-  double high = -10.0;
-  for (const Stroke& stroke : font.strokes('H')) {
-    for (const Eigen::Vector2d& point : stroke) {
-      low = std::min(low, point.y());
-      high = std::max(high, point.y());
-    }
-  }
-  EXPECT_NEAR(high - low, 1.0, 1e-9);
-}
-
-TEST(StrokeFont, NamesThePackageWhenItIsMissing) {
-  try {
-    StrokeFont font("/nowhere/futural.jhf");
-    FAIL();
-  } catch (const core::StartupError& error) {
-    EXPECT_NE(std::string(error.what()).find("hershey-fonts-data"), std::string::npos)
-        << error.what();
-  }
 }
 
 TEST(Spread, LiesOnTheStrokesAndIsRepeatable) {
