@@ -1,5 +1,6 @@
 #include "cli/fly_command.h"
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,13 +15,16 @@
 #include "cli/supervisor.h"
 #include "common/app/stop_signal.h"
 #include "common/bus/lcm_bus.h"
+#include "common/bus/messages.h"
 #include "common/config/experiment_file.h"
+#include "common/core/error.h"
 
 namespace roundabout::cli {
 
 namespace {
 
 constexpr int kInterrupted = 130;
+constexpr std::chrono::milliseconds kListen(150);
 
 struct FlyOptions {
   std::string file;
@@ -70,6 +74,22 @@ std::string commandLine(const FlyOptions& options, const config::Experiment& exp
   return line;
 }
 
+// Two flights on one URL would fly each other's vehicles.
+void requireNobodyFlies(const std::string& lcm_url) {
+  bus::LcmBus bus(lcm_url);
+  bool somebody_flies = false;
+  bus.subscribe(bus::kStatesChannel, [&](const bus::Received&) { somebody_flies = true; });
+  const auto end = std::chrono::steady_clock::now() + kListen;
+  while (!somebody_flies && std::chrono::steady_clock::now() < end) {
+    bus.handle(std::chrono::milliseconds(20));
+  }
+  if (somebody_flies) {
+    throw core::StartupError(lcm_url, bus::kStatesChannel,
+                             "nobody publishing (a flight of its own on this URL)",
+                             "states of another flight");
+  }
+}
+
 int fly(const FlyOptions& options) {
   app::StopSignal stop;
   FlightPlan plan;
@@ -78,6 +98,7 @@ int fly(const FlyOptions& options) {
       bus::resolveUrl(options.lcm_url.empty() ? plan.experiment.lcm_url : options.lcm_url);
   plan.command_line = commandLine(options, plan.experiment);
   plan.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  requireNobodyFlies(plan.lcm_url);
   bus::LcmBus bus(plan.lcm_url);
   plan.folder = makeFlightFolder(plan.experiment, options.folder);
 

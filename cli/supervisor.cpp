@@ -17,7 +17,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr double kListen_s = 0.15;
 constexpr milliseconds kStep(20);
 constexpr milliseconds kExitLimit(2000);
 constexpr double kLandingRepeat_s = 1.0;
@@ -73,7 +72,6 @@ Supervisor::Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Co
     director_.onPlannerHeard(vehicle, on_floor, wallSeconds());
   };
   monitor_ = std::make_unique<FlightMonitor>(bus_, plan_.experiment, std::move(events));
-  requireNobodyFlies();
 
   const std::filesystem::path logs = plan_.folder / "logs";
   std::filesystem::create_directories(logs);
@@ -119,18 +117,6 @@ FlightResult Supervisor::run() {
     result.events.push_back("ended early: " + director_.reason());
   }
   return result;
-}
-
-void Supervisor::requireNobodyFlies() {
-  const double since_s = wallSeconds();
-  while (wallSeconds() - since_s < kListen_s) {
-    bus_.handle(kStep);
-    if (flying()) {
-      throw core::StartupError(plan_.lcm_url, bus::kStatesChannel,
-                               "nobody publishing (a flight of its own on this URL)",
-                               "states of another flight");
-    }
-  }
 }
 
 void Supervisor::start(Role role, const std::string& program, const std::string& vehicle) {

@@ -50,8 +50,8 @@ struct FlightResult {
 /// Starts the processes of one flight, watches them, and leaves none behind.
 class Supervisor {
  public:
-  /// Starts everything: the recorder first, the simulator last. Throws core::StartupError if
-  /// somebody publishes VEHICLE_STATES on the bus already or a process cannot be started.
+  /// Starts everything: the recorder first, the simulator last. Throws core::StartupError if a
+  /// process cannot be started.
   Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Console& console);
 
   /// Until the flight is over and every process has ended. Throws ChildFailure if one ends before
@@ -67,7 +67,6 @@ class Supervisor {
   };
 
   bool flying() const { return first_state_s_.has_value(); }
-  void requireNobodyFlies();
   void start(Role role, const std::string& program, const std::string& vehicle);
   void reap();
   std::string inTheUsersWords(std::string line) const;

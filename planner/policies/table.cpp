@@ -55,10 +55,10 @@ std::unique_ptr<Policy> makePolicy(const std::string& specification, const Polic
                              fmt::format("\"{}:WEIGHTS\"", entry.name),
                              config::quoted(specification));
   }
-  if (!entry.needs_weights && !its_options.weights.empty()) {
+  if (!entry.needs_weights && colon != std::string::npos) {
     throw core::StartupError(options.where, "planner.policy",
                              fmt::format("\"{}\", which has no weights", entry.name),
-                             config::quoted(fmt::format("{}:{}", entry.name, its_options.weights)));
+                             config::quoted(specification));
   }
   return entry.make(its_options);
 }

@@ -116,7 +116,38 @@ TEST_F(Fly, RefusesToStartIntoAFlight) {
                                           (scratch_ / "second").string()});
   EXPECT_EQ(second.status.code, 2);
   EXPECT_THAT(second.lines.back(), HasSubstr("states of another flight"));
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "second"));
   EXPECT_FALSE(flight.exited());
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+// From /proc: the most memory that a process has had resident so far.
+long peakMemoryKilobytes(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string word; status >> word;) {
+    if (long kilobytes = 0; word == "VmHWM:" && status >> kilobytes) {
+      return kilobytes;
+    }
+  }
+  return -1;
+}
+
+TEST_F(Fly, APlannerAmongSixVehiclesStaysBelowTwentyMegabytes) {
+  if (kSanitized) {
+    GTEST_SKIP() << "sanitizers take memory of their own";
+  }
+  startFlight(ROUNDABOUT_SOURCE_DIR "/experiments/spell_cadrl.yaml", {"--no-report"});
+  waitUntil("the first letter", [this] { return heard().fleet.formation == "C"; });
+  const auto planner = findProcess({"planner", "hex1"});
+  ASSERT_TRUE(planner.has_value());
+  const long kilobytes = peakMemoryKilobytes(*planner);
+  EXPECT_GT(kilobytes, 1'000);
+  EXPECT_LT(kilobytes, 20'000);
 }
 
 TEST_F(Fly, SaysThatAMissionWasNotFlown) {

@@ -44,6 +44,8 @@ TEST(PolicyTable, SuperfluousWeightsAreRefused) {
   EXPECT_EQ(errorOf("orca:a.safetensors"),
             "demo.yaml: planner.policy: expected \"orca\", which has no weights, found "
             "\"orca:a.safetensors\"");
+  EXPECT_EQ(errorOf("orca:"),
+            "demo.yaml: planner.policy: expected \"orca\", which has no weights, found \"orca:\"");
 }
 
 TEST(PolicyTable, MissingWeightFileIsNamed) {
