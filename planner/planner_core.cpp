@@ -233,7 +233,8 @@ void PlannerCore::collectOthers(core::Utime now) {
     }
     const config::Vehicle& other = experiment_.vehicles[i];
     others_.push_back({track.positionAt(now), track.state().velocity_world_mps.head<2>(),
-                       other.assumed_radius_m + other.top_speed_mps * track.sinceAcceptedS(now)});
+                       other.assumed_radius_m + other.top_speed_mps * track.sinceAcceptedS(now),
+                       static_cast<int>(i)});
   }
 }
 

@@ -29,9 +29,12 @@ class Policy {
   Policy& operator=(const Policy&) = delete;
   virtual ~Policy() = default;
 
-  /// All inputs are finite; others may be empty, in any order. Deterministic; allocates nothing
-  /// after the first call with as many others.
-  virtual Decision decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) = 0;
+  /// All inputs are finite; others may be empty, in any order. Called once per planning tick.
+  /// Deterministic; allocates nothing after the first call with as many others and obstacles.
+  virtual Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) = 0;
+
+  /// Whether decide() needs a scan. Without one such a policy stands still.
+  virtual bool needsScan() const { return false; }
 
   /// Forgets what was remembered of earlier calls: a new flight begins.
   virtual void reset() {}

@@ -24,9 +24,9 @@ class ScriptedPolicy final : public Policy {
 
   explicit ScriptedPolicy(std::shared_ptr<Script> script) : script_(std::move(script)) {}
 
-  Decision decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) override {
+  Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override {
     script_->ego = ego;
-    script_->others.assign(others.begin(), others.end());
+    script_->others.assign(around.others.begin(), around.others.end());
     ++script_->calls;
     return script_->decision;
   }

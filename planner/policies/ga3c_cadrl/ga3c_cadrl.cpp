@@ -9,8 +9,8 @@ namespace roundabout::planner {
 Ga3cCadrl::Ga3cCadrl(std::shared_ptr<const Ga3cCadrlWeights> weights)
     : encoder_(weights->max_others), network_(std::move(weights)) {}
 
-Decision Ga3cCadrl::decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) {
-  const Observation& observation = encoder_.encode(ego, others);
+Decision Ga3cCadrl::decide(const core::EgoAgent& ego, const core::Surroundings& around) {
+  const Observation& observation = encoder_.encode(ego, around.others);
   const Ga3cCadrlNetwork::Output output = network_.evaluate(observation);
   const DiscreteAction& action = kActions[static_cast<std::size_t>(output.best_action)];
   Decision decision;

@@ -14,7 +14,7 @@ class Ga3cCadrl final : public Policy {
  public:
   explicit Ga3cCadrl(std::shared_ptr<const Ga3cCadrlWeights> weights);
 
-  Decision decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) override;
+  Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override;
   std::string_view name() const override { return "ga3c_cadrl"; }
 
  private:

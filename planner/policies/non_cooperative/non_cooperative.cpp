@@ -10,7 +10,7 @@ namespace {
 
 class NonCooperative final : public Policy {
  public:
-  Decision decide(const core::EgoAgent& ego, std::span<const core::OtherAgent>) override {
+  Decision decide(const core::EgoAgent& ego, const core::Surroundings&) override {
     Decision decision;
     const Eigen::Vector2d to_goal = ego.goal_world_m - ego.position_world_m;
     if (!to_goal.isZero(0.0)) {

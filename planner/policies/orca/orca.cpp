@@ -38,8 +38,8 @@ class Orca final : public Policy {
   explicit Orca(const config::Orca& options)
       : options_(options), turn_right_(-options.right_bias_rad) {}
 
-  Decision decide(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) override {
-    collectNeighbours(ego, others);
+  Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override {
+    collectNeighbours(ego, around.others);
     half_planes_.clear();
     half_planes_.reserve(neighbours_.size());
     for (const Neighbour& neighbour : neighbours_) {

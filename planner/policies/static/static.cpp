@@ -6,7 +6,7 @@ namespace {
 
 class Static final : public Policy {
  public:
-  Decision decide(const core::EgoAgent&, std::span<const core::OtherAgent>) override { return {}; }
+  Decision decide(const core::EgoAgent&, const core::Surroundings&) override { return {}; }
 
   std::string_view name() const override { return "static"; }
 };

@@ -122,7 +122,7 @@ TEST(Orca, TakesHalfOfTheChangeThatIsNeeded) {
   options.orca.radius_factor = 1.0;
   options.orca.right_bias_rad = 0.0;
   const core::OtherAgent ahead{{4.0, 0.0}, {0.0, 0.0}, 0.5};
-  const Decision decision = makeOrca(options)->decide(agent({0.0, 0.0}, {9.0, 0.0}), {&ahead, 1});
+  const Decision decision = makeOrca(options)->decide(agent({0.0, 0.0}, {9.0, 0.0}), std::span(&ahead, 1));
   // 3 m are free, for both together and for the horizon of 5 s.
   EXPECT_NEAR(decision.speed_mps, 0.3, 1e-9);
   EXPECT_NEAR(decision.heading_change_rad, 0.0, 1e-9);
@@ -131,9 +131,9 @@ TEST(Orca, TakesHalfOfTheChangeThatIsNeeded) {
 TEST(Orca, LeansToTheRightOnlyWhereItCannotGoStraight) {
   const core::EgoAgent ego = agent({0.0, 0.0}, {9.0, 0.0});
   const core::OtherAgent ahead{{4.0, 0.0}, {0.0, 0.0}, 0.5};
-  EXPECT_LT(makeOrca({})->decide(ego, {&ahead, 1}).heading_change_rad, -0.1);
+  EXPECT_LT(makeOrca({})->decide(ego, std::span(&ahead, 1)).heading_change_rad, -0.1);
   const core::OtherAgent aside{{4.0, 8.0}, {0.0, 0.0}, 0.5};
-  EXPECT_NEAR(makeOrca({})->decide(ego, {&aside, 1}).heading_change_rad, 0.0, 1e-9);
+  EXPECT_NEAR(makeOrca({})->decide(ego, std::span(&aside, 1)).heading_change_rad, 0.0, 1e-9);
 }
 
 TEST(Orca, TurnsInPlaceWhereTheTurnIsSharperThanTheLimit) {
@@ -153,7 +153,7 @@ TEST(Orca, TurnsInPlaceWhereTheTurnIsSharperThanTheLimit) {
 TEST(Orca, BodiesThatOverlapComeApart) {
   const core::EgoAgent ego = agent({0.0, 0.0}, {5.0, 0.0});
   const core::OtherAgent ahead{{0.6, 0.0}, {0.0, 0.0}, 0.5};
-  const Decision decision = makeOrca({})->decide(ego, {&ahead, 1});
+  const Decision decision = makeOrca({})->decide(ego, std::span(&ahead, 1));
   EXPECT_NEAR(decision.speed_mps, ego.preferred_speed_mps, 1e-9);
   EXPECT_NEAR(std::abs(decision.heading_change_rad), std::numbers::pi, 1e-9);
 }
