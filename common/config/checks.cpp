@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/spacing.h"
 #include "common/config/words.h"
 
 namespace roundabout::config {
@@ -46,28 +47,68 @@ void expectCorners(const std::string& path, const Corners& box, const Refuse& re
   }
 }
 
-bool insideRoom(const Room& room, const Eigen::Vector2d& point_m) {
-  return (point_m.array() >= room.min_m.head<2>().array()).all() &&
-         (point_m.array() <= room.max_m.head<2>().array()).all();
-}
-
-std::string spanOf(const Room& room) {
-  return fmt::format("a place in the room (x {} to {}, y {} to {})", room.min_m.x(), room.max_m.x(),
-                     room.min_m.y(), room.max_m.y());
-}
-
-std::string textOf(const Eigen::Vector2d& point_m) {
-  return fmt::format("[{}, {}]", point_m.x(), point_m.y());
+// A body of this radius must fit between the place and the walls.
+void expectInRoom(const std::string& path, const Room& room, const Eigen::Vector2d& place_m,
+                  double body_radius_m, const Refuse& refuse) {
+  const bool inside = (place_m.array() - body_radius_m >= room.min_m.head<2>().array()).all() &&
+                      (place_m.array() + body_radius_m <= room.max_m.head<2>().array()).all();
+  if (!inside) {
+    refuse(
+        path,
+        fmt::format("a place in the room (x {} to {}, y {} to {}) less a body radius of {} m",
+                    room.min_m.x(), room.max_m.x(), room.min_m.y(), room.max_m.y(), body_radius_m),
+        fmt::format("[{}, {}]", place_m.x(), place_m.y()));
+  }
 }
 
 void checkRoom(const Experiment& experiment, const Refuse& refuse) {
   expectCorners("room", experiment.room, refuse);
+  if (experiment.room.min_m.z() != 0.0) {
+    refuse("room.min_m", "z = 0, since the floor is where z is 0",
+           fmt::format("z = {}", experiment.room.min_m.z()));
+  }
+}
+
+void checkStartArea(const Experiment& experiment, const Refuse& refuse) {
   const Area& area = experiment.sim.start_area;
   expectCorners("sim.start_area", area, refuse);
-  for (const auto& [key, corner_m] :
-       {std::pair{"sim.start_area.min_m", area.min_m}, {"sim.start_area.max_m", area.max_m}}) {
-    if (!insideRoom(experiment.room, corner_m)) {
-      refuse(key, spanOf(experiment.room), textOf(corner_m));
+  const bool used = std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(),
+                                [](const Vehicle& vehicle) { return !vehicle.start; });
+  if (!used) {
+    return;
+  }
+  const double body_radius_m = largestBodyRadiusM(experiment);
+  expectInRoom("sim.start_area.min_m", experiment.room, area.min_m, body_radius_m, refuse);
+  expectInRoom("sim.start_area.max_m", experiment.room, area.max_m, body_radius_m, refuse);
+  const double spacing_m = goalSpacingM(experiment);
+  if (experiment.sim.start_spacing_m < spacing_m) {
+    refuse("sim.start_spacing_m",
+           fmt::format("at least {} (two assumed radii and safety.goal_margin_m)", spacing_m),
+           fmt::format("{}", experiment.sim.start_spacing_m));
+  }
+}
+
+void checkStart(const Experiment& experiment, std::size_t i, const Refuse& refuse) {
+  const Vehicle& vehicle = experiment.vehicles[i];
+  if (!vehicle.start) {
+    return;
+  }
+  const std::string path = fmt::format("vehicles[{}].start.position_m", i);
+  expectInRoom(path, experiment.room, vehicle.start->position_m, vehicle.body_radius_m, refuse);
+  for (std::size_t j = 0; j < i; ++j) {
+    const Vehicle& other = experiment.vehicles[j];
+    if (!other.start) {
+      continue;
+    }
+    constexpr double kRounding_m = 1e-9;
+    const double distance_m = (vehicle.start->position_m - other.start->position_m).norm();
+    const double spacing_m = goalSpacingM(experiment);
+    if (distance_m < spacing_m - kRounding_m) {
+      refuse(path,
+             fmt::format("at least {} m (two assumed radii and safety.goal_margin_m) from "
+                         "vehicles[{}] \"{}\"",
+                         spacing_m, j, other.name),
+             fmt::format("{:.3f} m", distance_m));
     }
   }
 }
@@ -86,25 +127,13 @@ void checkVehicle(const Experiment& experiment, std::size_t i, const Refuse& ref
            fmt::format("a height in the room ({} to {})", room.min_m.z(), room.max_m.z()),
            fmt::format("{}", vehicle.height_m));
   }
-  if (vehicle.start && !insideRoom(room, vehicle.start->position_m)) {
-    refuse(path + ".start.position_m", spanOf(room), textOf(vehicle.start->position_m));
-  }
+  expectOrder(path + ".assumed_radius_m", vehicle.assumed_radius_m, "body_radius_m",
+              vehicle.body_radius_m, refuse);
   for (std::size_t j = 0; j < i; ++j) {
     const Vehicle& other = experiment.vehicles[j];
     if (other.name == vehicle.name) {
       refuse(path + ".name", "a name of its own",
              fmt::format("\"{}\", which is vehicles[{}]'s", vehicle.name, j));
-    }
-    if (!vehicle.start || !other.start) {
-      continue;
-    }
-    const double distance_m = (vehicle.start->position_m - other.start->position_m).norm();
-    const double bodies_m = vehicle.body_radius_m + other.body_radius_m;
-    if (distance_m <= bodies_m) {
-      refuse(path + ".start.position_m",
-             fmt::format("more than {} m (both bodies) from vehicles[{}] \"{}\"", bodies_m, j,
-                         other.name),
-             fmt::format("{:.3f} m", distance_m));
     }
   }
 }
@@ -225,6 +254,10 @@ void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     checkVehicle(experiment, i, refuse);
   }
+  for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+    checkStart(experiment, i, refuse);
+  }
+  checkStartArea(experiment, refuse);
   checkLimits(experiment, refuse);
   checkMission(experiment, refuse);
 }

@@ -14,8 +14,8 @@ using Refuse = std::function<void(const std::string& path, const std::string& ex
 /// Gives points that were written as [x, y] (z is NaN) the height at which the vehicles fly.
 void fillHeights(Experiment& experiment, const Refuse& refuse);
 
-/// Checks what one key alone cannot tell: double names, places outside the room, bodies that
-/// overlap, limits in the wrong order, steps that do not fit. What a formation must keep to is
+/// Checks what one key alone cannot tell: double names, places outside the room, starts too
+/// close to each other, limits in the wrong order, steps that do not fit. What a formation must keep to is
 /// fleet's to check.
 void checkConsistency(const Experiment& experiment, const Refuse& refuse);
 

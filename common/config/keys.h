@@ -123,7 +123,7 @@ void describe(Visitor& visit, MocapModel& mocap) {
   visit("rate_hz", mocap.rate_hz, between(1.0, 1000.0));
   visit("position_noise_m", mocap.position_noise_m, atLeast(0.0));
   visit("orientation_noise_rad", mocap.orientation_noise_rad, atLeast(0.0));
-  visit("latency_s", mocap.latency_s, atLeast(0.0));
+  visit("latency_s", mocap.latency_s, between(0.0, 1.0));
   visit("velocity_filter_s", mocap.velocity_filter_s, atLeast(0.0));
   visit("dropout", mocap.dropout);
 }
@@ -145,7 +145,8 @@ void describe(Visitor& visit, Push& push) {
 template <class Visitor>
 void describe(Visitor& visit, Sim& sim) {
   visit("pacing", sim.pacing, oneOf({"lockstep", "real_time"}));
-  visit("step_s", sim.step_s, above(0.0));
+  // A finer one is no physics: it only makes the simulator slow, and its memory large.
+  visit("step_s", sim.step_s, between(1e-4, 1.0));
   visit("max_duration_s", sim.max_duration_s, above(0.0));
   visit("lockstep_patience_s", sim.lockstep_patience_s, above(0.0));
   visit("lockstep_start_s", sim.lockstep_start_s, above(0.0));
@@ -193,13 +194,16 @@ void describeArguments(Visitor& visit, MissionStep& step) {
   }
 }
 
+/// Who can publish VEHICLE_STATES; the first is the simulator.
+inline const std::vector<std::string> kSources = {"sim"};
+
 template <class Visitor>
 void describe(Visitor& visit, Experiment& experiment) {
   // Filled first, then what each element of `vehicles` starts from.
   Vehicle vehicle_defaults;
   visit("name", experiment.name);
   visit("seed", experiment.seed);
-  visit("source", experiment.source, identifier());
+  visit("source", experiment.source, oneOf(kSources));
   visit("lcm_url", experiment.lcm_url);
   visit("room", experiment.room);
   visit("vehicle_defaults", vehicle_defaults, inputOnly());

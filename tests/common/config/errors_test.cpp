@@ -252,18 +252,64 @@ TEST(ConfigError, TwoVehiclesOfOneName) {
             "vehicles[0]'s");
 }
 
-TEST(ConfigError, StartsWhereBodiesTouch) {
+TEST(ConfigError, StartsFromWhichTwoTakeOffThroughEachOthersSpace) {
+  // 1 m: bodies of 0.35 m do not touch, but a goal there would be refused.
   EXPECT_EQ(errorOf("vehicles:\n"
                     "  - {name: hex1, start: {position_m: [0, 0]}}\n"
-                    "  - {name: hex2, start: {position_m: [0.3, 0.4]}}\n"),
-            "lab.yaml:3: vehicles[1].start.position_m: expected more than 0.7 m (both bodies) from "
-            "vehicles[0] \"hex1\", found 0.500 m");
+                    "  - {name: hex2, start: {position_m: [0.6, 0.8]}}\n"),
+            "lab.yaml:3: vehicles[1].start.position_m: expected at least 1.1 m (two assumed radii "
+            "and safety.goal_margin_m) from vehicles[0] \"hex1\", found 1.000 m");
+}
+
+TEST(ConfigError, RandomStartsFromWhichTwoTakeOffThroughEachOthersSpace) {
+  EXPECT_EQ(errorBelow("sim: {start_spacing_m: 0.3}\n"),
+            "lab.yaml:2: sim.start_spacing_m: expected at least 1.1 (two assumed radii and "
+            "safety.goal_margin_m), found 0.3");
+}
+
+TEST(ConfigError, RandomStartsDoNotMatterWhereEverybodyHasAPlace) {
+  EXPECT_EQ(errorOf("vehicles: [{name: hex1, start: {position_m: [0, 0]}}]\n"
+                    "room: {min_m: [-1, -1, 0], max_m: [1, 1, 3]}\n"
+                    "sim: {start_spacing_m: 0.3}\n"),
+            "no error");
+}
+
+TEST(ConfigError, BodyLargerThanWhatPoliciesSee) {
+  EXPECT_EQ(errorOf("vehicles:\n  - {name: hex1, assumed_radius_m: 0.3}\n"),
+            "lab.yaml:2: vehicles[0].assumed_radius_m: expected at least body_radius_m (0.35), "
+            "found 0.3");
+}
+
+TEST(ConfigError, FloorThatIsNotWhereZIsZero) {
+  EXPECT_EQ(errorBelow("room: {min_m: [-10, -10, 0.5]}\n"),
+            "lab.yaml:2: room.min_m: expected z = 0, since the floor is where z is 0, found z = "
+            "0.5");
+}
+
+TEST(ConfigError, SourceThatNobodyImplements) {
+  EXPECT_EQ(errorBelow("source: simm\n"), "lab.yaml:2: source: expected sim, found \"simm\"");
+}
+
+TEST(ConfigError, StepTooShortToCount) {
+  EXPECT_EQ(errorBelow("sim: {step_s: 1e-7}\n"),
+            "lab.yaml:2: sim.step_s: expected a number from 0.0001 to 1, found 1e-7");
+}
+
+TEST(ConfigError, LatencyLongerThanAnyCameras) {
+  EXPECT_EQ(errorBelow("sim: {mocap: {latency_s: 1e9}}\n"),
+            "lab.yaml:2: sim.mocap.latency_s: expected a number from 0 to 1, found 1e9");
 }
 
 TEST(ConfigError, StartOutsideTheRoom) {
   EXPECT_EQ(errorOf("vehicles:\n  - name: hex1\n    start:\n      position_m: [0, 11]\n"),
             "lab.yaml:4: vehicles[0].start.position_m: expected a place in the room (x -10 to 10, "
-            "y -10 to 10), found [0, 11]");
+            "y -10 to 10) less a body radius of 0.35 m, found [0, 11]");
+}
+
+TEST(ConfigError, StartWhereTheBodyReachesIntoTheWall) {
+  EXPECT_EQ(errorOf("vehicles:\n  - name: hex1\n    start:\n      position_m: [0, 9.7]\n"),
+            "lab.yaml:4: vehicles[0].start.position_m: expected a place in the room (x -10 to 10, "
+            "y -10 to 10) less a body radius of 0.35 m, found [0, 9.7]");
 }
 
 TEST(ConfigError, HeightAboveTheRoom) {
@@ -291,7 +337,7 @@ TEST(ConfigError, StartAreaOutsideTheRoom) {
   EXPECT_EQ(errorBelow("room: {min_m: [-3, -3, 0], max_m: [3, 3, 3]}\n"
                        "sim:\n  start_area: {min_m: [-2, -2], max_m: [5, 2]}\n"),
             "lab.yaml:4: sim.start_area.max_m: expected a place in the room (x -3 to 3, y -3 to "
-            "3), found [5, 2]");
+            "3) less a body radius of 0.35 m, found [5, 2]");
 }
 
 TEST(ConfigError, LandBeforeHold) {

@@ -10,14 +10,14 @@ inline Experiment oneOfEverything() {
   Experiment e;
   e.name = "everything";
   e.seed = 18446744073709551615ULL;
-  e.source = "vicon";
+  e.source = "sim";  // the only one yet
   e.lcm_url = "udpm://239.255.76.68:7668?ttl=0";
-  e.room = {{-6.5, -5.25, -0.1}, {6.5, 5.75, 3.3}};
+  e.room = {{-6.5, -5.25, 0.0}, {6.5, 5.75, 3.3}};
 
   Vehicle first;
   first.name = "hex_1";
   first.model = "unicycle";
-  first.assumed_radius_m = 0.4;
+  first.assumed_radius_m = 0.45;
   first.body_radius_m = 0.1 + 0.2;  // has no short decimal form
   first.preferred_speed_mps = 1.1;
   first.top_speed_mps = 3.5;
