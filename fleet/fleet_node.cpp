@@ -1,7 +1,6 @@
 #include "fleet/fleet_node.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -14,9 +13,6 @@
 namespace roundabout::fleet {
 
 namespace {
-
-constexpr std::array<const char*, 8> kPhaseNames{"waiting", "idle",    "taking off", "going",
-                                                 "formed",  "landing", "done",       "failed"};
 
 roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
                                           const config::Experiment& experiment, int rejected) {
@@ -55,7 +51,7 @@ roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
 FleetNode::FleetNode(const config::Experiment& experiment, bus::Bus& bus)
     : experiment_(experiment),
       bus_(bus),
-      coordinator_(experiment),
+      coordinator_(std::in_place, experiment),
       timer_(experiment.fleet.rate_hz),
       last_report_(experiment.vehicles.size(), 0) {
   const auto on_error = [this](const bus::DecodeError& error) {
@@ -103,18 +99,31 @@ void FleetNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
       reject(bus::kStatesChannel, "a vehicle that the experiment does not have");
     }
   }
-  if (!gate_.accept(frame_.utime)) {
-    reject(bus::kStatesChannel, "its time stamp is old, or corrupt");
-    return;
+  switch (gate_.judge(frame_.utime)) {
+    case core::FrameVerdict::kRefused:
+      reject(bus::kStatesChannel, "its time stamp is old, or corrupt");
+      return;
+    case core::FrameVerdict::kNewEpoch:
+      beginAnew();
+      break;
+    case core::FrameVerdict::kAccepted:
+      break;
   }
   if (!timer_.due(frame_.utime)) {
     return;
   }
-  const Coordinator::Output output = coordinator_.tick(frame_);
+  const Coordinator::Output output = coordinator_->tick(frame_);
   for (const core::Goal& goal : output.goals) {
     bus::publish(bus_, bus::goalChannel(goal.vehicle), bus::toMessage(goal));
   }
   publishStatus(output.status);
+}
+
+void FleetNode::beginAnew() {
+  spdlog::warn("the time of the vehicle states went back: the mission begins anew");
+  coordinator_.emplace(experiment_);
+  timer_ = core::TickTimer(experiment_.fleet.rate_hz);
+  std::fill(last_report_.begin(), last_report_.end(), 0);
 }
 
 void FleetNode::onPlannerStatus(std::size_t vehicle,
@@ -135,15 +144,15 @@ void FleetNode::onPlannerStatus(std::size_t vehicle,
     return;
   }
   last_report_[vehicle] = message.utime;
-  coordinator_.onPlanner(vehicle, {message.utime, static_cast<PlannerMode>(message.mode),
-                                   message.goal_id, message.distance_to_goal});
+  coordinator_->onPlanner(vehicle, {message.utime, static_cast<PlannerMode>(message.mode),
+                                    message.goal_id, message.distance_to_goal});
 }
 
 void FleetNode::onMission(const roundabout_msgs::mission_t& message) {
   // What makes the fleet safer is obeyed whatever its stamp.
   if (message.utime < last_mission_ && message.verb != "hold" && message.verb != "land") {
     reject(bus::kMissionChannel, "older than the last one");
-    coordinator_.refuse(message.mission_id, "older than the mission before it");
+    coordinator_->refuse(message.mission_id, "older than the mission before it");
     return;
   }
   last_mission_ = std::max(last_mission_, message.utime);
@@ -156,14 +165,14 @@ void FleetNode::onMission(const roundabout_msgs::mission_t& message) {
     asked.points_m.emplace_back(point[0], point[1], point[2]);
   }
   spdlog::info("mission {}: {} {}{}", message.mission_id, asked.verb, asked.text, asked.vehicle);
-  coordinator_.onMission(message.mission_id, asked);
+  coordinator_->onMission(message.mission_id, asked);
 }
 
 void FleetNode::onWallClock(WallTime now) {
   const std::chrono::duration<double> since = now - last_announced_;
   if (gate_.last() == 0 && since.count() >= 1.0 / experiment_.fleet.rate_hz) {
     last_announced_ = now;
-    publishStatus(coordinator_.waitingStatus());
+    publishStatus(coordinator_->waitingStatus());
   }
 }
 
@@ -179,8 +188,7 @@ void FleetNode::logProgress(const FleetStatus& status) {
   }
   const bool bad = status.phase == Phase::kFailed;
   spdlog::log(bad ? spdlog::level::err : spdlog::level::info, "{}{}{}{}{}",
-              kPhaseNames[static_cast<std::size_t>(status.phase)],
-              status.formation.empty() ? "" : " ", status.formation,
+              nameOf(status.phase), status.formation.empty() ? "" : " ", status.formation,
               status.reason.empty() ? "" : ": ", status.reason);
   logged_phase_ = status.phase;
   logged_text_ = text;

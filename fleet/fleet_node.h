@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "common/bus/bus.h"
@@ -31,6 +32,7 @@ class FleetNode {
 
  private:
   bool knows(const std::string& vehicle) const;
+  void beginAnew();
   void onStates(const roundabout_msgs::vehicle_states_t& message);
   void onPlannerStatus(std::size_t vehicle, const roundabout_msgs::planner_status_t& message);
   void onMission(const roundabout_msgs::mission_t& message);
@@ -40,7 +42,7 @@ class FleetNode {
 
   const config::Experiment& experiment_;
   bus::Bus& bus_;
-  Coordinator coordinator_;
+  std::optional<Coordinator> coordinator_;  // always one; made anew when the states are
   core::FrameGate gate_;
   core::TickTimer timer_;
   core::StatesFrame frame_;

@@ -18,4 +18,31 @@ enum class PlannerMode : std::int8_t {
   kKilled = 8
 };
 
+/// The message's word in lower case; "unknown" for a number that is none.
+constexpr const char* nameOf(PlannerMode mode) {
+  switch (mode) {
+    case PlannerMode::kNeverHeard:
+      return "never_heard";
+    case PlannerMode::kWaiting:
+      return "waiting";
+    case PlannerMode::kOnFloor:
+      return "on_floor";
+    case PlannerMode::kTakingOff:
+      return "taking_off";
+    case PlannerMode::kFlying:
+      return "flying";
+    case PlannerMode::kAtGoal:
+      return "at_goal";
+    case PlannerMode::kHolding:
+      return "holding";
+    case PlannerMode::kLanding:
+      return "landing";
+    case PlannerMode::kLanded:
+      return "landed";
+    case PlannerMode::kKilled:
+      return "killed";
+  }
+  return "unknown";
+}
+
 }  // namespace roundabout::core

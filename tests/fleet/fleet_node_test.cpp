@@ -214,6 +214,18 @@ TEST_F(FleetNodeTest, AFrameFromTheFutureIsRejectedAndAPauseOfTheCamerasSurvived
   EXPECT_GE(statuses_.size(), 4u);
 }
 
+TEST_F(FleetNodeTest, ASimulatorThatIsStartedAnewBeginsTheMissionAnew) {
+  run(2.0);
+  EXPECT_EQ(statuses_.back().phase, int{fleet_status_t::TAKE_OFF});
+  const core::Utime before = now_;
+  now_ = 1'000'000;
+  goals_.clear();
+  run(1.0);
+  ASSERT_FALSE(goals_.empty());
+  EXPECT_LT(goals_.back().utime, before);
+  EXPECT_EQ(goals_.back().phase, int{roundabout_msgs::goal_t::TAKE_OFF});
+}
+
 TEST_F(FleetNodeTest, GarbageOnEveryChannelIsCountedAndSurvived) {
   run(0.5);
   const std::vector<std::byte> garbage(200, std::byte{0xa5});

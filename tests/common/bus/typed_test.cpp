@@ -92,6 +92,20 @@ TYPED_TEST(TypedDecode, CountsThatAreOffByOneAreRefused) {
   }
 }
 
+// Wherever a string's length stands: lcm-gen's own decode() believes a negative one.
+TYPED_TEST(TypedDecode, LengthsThatNoStringHasNeverCrash) {
+  for (std::size_t offset = 8; offset + 4 <= this->valid_.size(); ++offset) {
+    for (const std::uint32_t length : {0x80000000U, 0x80000001U, 0xFFFFFFFFU, 0x7FFFFFFFU, 0U}) {
+      Bytes bytes = this->valid_;
+      setCount(bytes, offset, length);
+      TypeParam message{};
+      if (decode(bytes, message) == nullptr) {
+        ASSERT_EQ(static_cast<std::size_t>(message.getEncodedSize()), bytes.size());
+      }
+    }
+  }
+}
+
 TYPED_TEST(TypedDecode, FlippedBitsNeverCrash) {
   core::RandomStream random(1, TypeParam::getTypeName());
   constexpr int kTries = 20000;
