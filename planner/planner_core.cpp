@@ -86,12 +86,19 @@ void PlannerCore::onOrder(const core::SafetyOrder& order) {
     rejected_messages_ += known ? 0 : 1;
     return;
   }
-  // What makes the vehicle safer is obeyed whatever its stamp; only an old RESUME is refused.
-  if (order.utime < last_order_ && order.order == core::SafetyOrderKind::kResume) {
-    onRejected();
-    return;
+  // What makes the vehicle safer is obeyed whatever its stamp; only an old RESUME is refused, and a
+  // repeated one lifts nothing that was latched since.
+  if (order.order == core::SafetyOrderKind::kResume) {
+    if (order.utime < last_order_) {
+      onRejected();
+      return;
+    }
+    if (order.utime == obeyed_order_ && order.utime > 0) {
+      return;
+    }
   }
   last_order_ = std::max(last_order_, order.utime);
+  obeyed_order_ = order.utime;
   latch_.order(order.order);
 }
 

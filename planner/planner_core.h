@@ -59,6 +59,8 @@ class PlannerCore {
 
   /// Takes effect at the next tick (or silence).
   void onOrder(const core::SafetyOrder& order);
+  /// utime of the order obeyed last; 0: none.
+  core::Utime obeyedOrder() const { return obeyed_order_; }
 
   /// A message that could not be decoded or was not acceptable.
   void onRejected() { ++rejected_messages_; }
@@ -106,7 +108,8 @@ class PlannerCore {
   RoomGuard room_;
   OrderLatch latch_;
   core::Utime first_frame_ = 0;
-  core::Utime last_order_ = 0;
+  core::Utime last_order_ = 0;    // the newest
+  core::Utime obeyed_order_ = 0;  // the last to arrive
   std::vector<core::Goal> pending_goals_;
   std::optional<core::Goal> goal_;
   std::vector<core::OtherAgent> others_;

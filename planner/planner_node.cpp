@@ -29,6 +29,7 @@ roundabout_msgs::planner_status_t toMessage(const Status& status, const PlannerC
   message.policy = core.policyName();
   message.mode = static_cast<std::int8_t>(status.mode);
   message.reason = status.reason;
+  message.order_utime = core.obeyedOrder();
   message.goal_id = status.goal ? status.goal->goal_id : 0;
   message.goal_phase = status.goal ? static_cast<std::int8_t>(status.goal->phase) : std::int8_t{-1};
   message.distance_to_goal = status.distance_to_goal_m;

@@ -216,6 +216,19 @@ TEST(PlannerCore, AnOldResumeIsRefusedAndAnOldLandIsObeyed) {
   EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kLand);
 }
 
+TEST(PlannerCore, ARepeatedResumeLiftsNothingThatWasLatchedSince) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  const core::SafetyOrder resume{flight.now + 1, "", SafetyOrderKind::kResume};
+  flight.core.onOrder(resume);
+  ASSERT_EQ(flight.run(0.1).command.mode, CommandMode::kVelocity);
+  flight.vehicles[0].tracked = false;
+  ASSERT_EQ(flight.run(0.7).command.mode, CommandMode::kLand);
+  flight.vehicles[0].tracked = true;
+  flight.core.onOrder(resume);
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kLand);
+}
+
 TEST(PlannerCore, KillIsObeyedInEveryState) {
   for (const auto earlier :
        {SafetyOrderKind::kHold, SafetyOrderKind::kLand, SafetyOrderKind::kResume}) {

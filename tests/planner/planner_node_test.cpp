@@ -194,5 +194,20 @@ TEST_F(PlannerNodeTest, ObeysAnOrderAtTheNextTick) {
   EXPECT_EQ(commands_.back().mode, int{roundabout_msgs::command_t::KILL});
 }
 
+TEST_F(PlannerNodeTest, SaysWhichOrderItObeyed) {
+  const auto send = [this](core::Utime utime, const std::string& vehicle) {
+    bus::publish(lab_, "SAFETY_ORDER",
+                 bus::toMessage(core::SafetyOrder{utime, vehicle, core::SafetyOrderKind::kHold}));
+    deliver();
+  };
+  send(70, "hex1");
+  send(80, "hex2");
+  wait(milliseconds(0));
+  EXPECT_EQ(statuses_.back().order_utime, 70) << "before the first state too";
+  send(90, "");
+  sendFrames(20);
+  EXPECT_EQ(statuses_.back().order_utime, 90);
+}
+
 }  // namespace
 }  // namespace roundabout::planner

@@ -99,6 +99,7 @@ inline roundabout_msgs::planner_status_t sample() {
   message.policy = "orca";
   message.mode = roundabout_msgs::planner_status_t::FLYING;
   message.reason = "all well";
+  message.order_utime = 5;
   message.goal_id = 1000;
   return message;
 }
