@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
+#include "common/bus/listen.h"
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
 #include "common/core/error.h"
@@ -63,17 +63,7 @@ bool StatePublisher::publish(const core::StatesFrame& frame) {
 }
 
 bool somebodyElsePublishes(bus::Bus& listener, std::chrono::milliseconds duration) {
-  using Clock = std::chrono::steady_clock;
-  // Shared, because the subscription outlives this call.
-  const auto heard = std::make_shared<bool>(false);
-  listener.subscribe(bus::kStatesChannel, [heard](const bus::Received&) { *heard = true; });
-  const auto deadline = Clock::now() + duration;
-  auto left = duration;
-  do {
-    listener.handle(left);
-    left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-  } while (!*heard && left.count() > 0);
-  return *heard;
+  return !bus::heardWithin(duration, listener, {bus::kStatesChannel}).empty();
 }
 
 void requireSolePublisher(bus::Bus& listener, const std::string& url,

@@ -35,6 +35,9 @@ class Bus {
   /// instead.
   virtual void subscribe(const std::string& channel, Handler handler) = 0;
 
+  /// As subscribe(), for every channel whose name begins so: for tools that do not know who flies.
+  virtual void subscribePrefix(const std::string& prefix, Handler handler) = 0;
+
   /// Waits until a message is there or the time is up, then runs the handlers of everything that
   /// has arrived. Returns the number of messages handled.
   virtual int handle(std::chrono::milliseconds timeout) = 0;

@@ -128,6 +128,12 @@ void LcmBus::subscribe(const std::string& channel, Handler handler) {
   lcm_subscription_set_queue_capacity(handle, kQueueCapacity);
 }
 
+// Names of channels are letters, digits and underscore only, so that LCM's patterns match them as
+// they are.
+void LcmBus::subscribePrefix(const std::string& prefix, Handler handler) {
+  subscribe(prefix + ".*", std::move(handler));
+}
+
 int LcmBus::handle(std::chrono::milliseconds timeout) {
   int handled = 0;
   auto wait = static_cast<int>(timeout.count());

@@ -30,6 +30,7 @@ class LcmBus final : public Bus {
 
   void publish(const std::string& channel, std::span<const std::byte> payload) override;
   void subscribe(const std::string& channel, Handler handler) override;
+  void subscribePrefix(const std::string& prefix, Handler handler) override;
   int handle(std::chrono::milliseconds timeout) override;
 
   /// Becomes readable when a message is waiting; for poll() beside other descriptors.

@@ -18,14 +18,19 @@ MemoryBus::~MemoryBus() { std::erase(network_->members_, this); }
 void MemoryBus::publish(const std::string& channel, std::span<const std::byte> payload) {
   ++network_->published_[channel];
   for (MemoryBus* member : network_->members_) {
-    if (member->handlers_.contains(channel)) {
+    if (std::any_of(member->subscriptions_.begin(), member->subscriptions_.end(),
+                    [&](const Subscription& own) { return own.hears(channel); })) {
       member->inbox_.push_back({channel, {payload.begin(), payload.end()}});
     }
   }
 }
 
 void MemoryBus::subscribe(const std::string& channel, Handler handler) {
-  handlers_.emplace(channel, std::move(handler));
+  subscriptions_.push_back({channel, false, std::move(handler)});
+}
+
+void MemoryBus::subscribePrefix(const std::string& prefix, Handler handler) {
+  subscriptions_.push_back({prefix, true, std::move(handler)});
 }
 
 int MemoryBus::handle(std::chrono::milliseconds /*timeout*/) {
@@ -33,9 +38,10 @@ int MemoryBus::handle(std::chrono::milliseconds /*timeout*/) {
   while (!inbox_.empty()) {
     const Message message = std::move(inbox_.front());
     inbox_.pop_front();
-    const auto [begin, end] = handlers_.equal_range(message.channel);
-    for (auto it = begin; it != end; ++it) {
-      it->second({message.channel, message.payload, 0});
+    for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+      if (subscriptions_[i].hears(message.channel)) {
+        subscriptions_[i].handler({message.channel, message.payload, 0});
+      }
     }
     ++handled;
   }

@@ -34,6 +34,7 @@ class MemoryBus final : public Bus {
 
   void publish(const std::string& channel, std::span<const std::byte> payload) override;
   void subscribe(const std::string& channel, Handler handler) override;
+  void subscribePrefix(const std::string& prefix, Handler handler) override;
   /// Does not wait: nothing can arrive while the only thread is here.
   int handle(std::chrono::milliseconds timeout) override;
 
@@ -42,9 +43,18 @@ class MemoryBus final : public Bus {
     std::string channel;
     std::vector<std::byte> payload;
   };
+  struct Subscription {
+    std::string name;
+    bool prefix;
+    Handler handler;
+
+    bool hears(const std::string& channel) const {
+      return prefix ? channel.starts_with(name) : channel == name;
+    }
+  };
 
   std::shared_ptr<MemoryNetwork> network_;
-  std::multimap<std::string, Handler> handlers_;
+  std::deque<Subscription> subscriptions_;  // a handler may add to them
   std::deque<Message> inbox_;
 };
 

@@ -19,8 +19,9 @@ inline constexpr const char* kFleetStatusChannel = "FLEET_STATUS";
 inline constexpr const char* kSafetyOrderChannel = "SAFETY_ORDER";
 inline std::string goalChannel(const std::string& vehicle) { return "GOAL_" + vehicle; }
 inline std::string commandChannel(const std::string& vehicle) { return "COMMAND_" + vehicle; }
+inline constexpr const char* kPlannerStatusPrefix = "PLANNER_STATUS_";
 inline std::string plannerStatusChannel(const std::string& vehicle) {
-  return "PLANNER_STATUS_" + vehicle;
+  return kPlannerStatusPrefix + vehicle;
 }
 
 roundabout_msgs::vehicle_states_t toMessage(const core::StatesFrame& frame);

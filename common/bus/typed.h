@@ -56,18 +56,31 @@ void publish(Bus& bus, const std::string& channel, const Message& message) {
   bus.publish(channel, encode(message));
 }
 
-/// on_error sees every payload on the channel that is not a Message.
+/// on_error sees every payload that is not a Message.
 template <class Message>
-void subscribe(Bus& bus, const std::string& channel, std::function<void(const Message&)> on_message,
-               std::function<void(const DecodeError&)> on_error) {
-  bus.subscribe(channel, [on_message = std::move(on_message), on_error = std::move(on_error),
-                          message = Message()](const Received& received) mutable {
+Bus::Handler decoding(std::function<void(const Message&)> on_message,
+                      std::function<void(const DecodeError&)> on_error) {
+  return [on_message = std::move(on_message), on_error = std::move(on_error),
+          message = Message()](const Received& received) mutable {
     if (const char* reason = decode(received.payload, message)) {
       on_error({received.channel, reason});
     } else {
       on_message(message);
     }
-  });
+  };
+}
+
+template <class Message>
+void subscribe(Bus& bus, const std::string& channel, std::function<void(const Message&)> on_message,
+               std::function<void(const DecodeError&)> on_error) {
+  bus.subscribe(channel, decoding<Message>(std::move(on_message), std::move(on_error)));
+}
+
+template <class Message>
+void subscribePrefix(Bus& bus, const std::string& prefix,
+                     std::function<void(const Message&)> on_message,
+                     std::function<void(const DecodeError&)> on_error) {
+  bus.subscribePrefix(prefix, decoding<Message>(std::move(on_message), std::move(on_error)));
 }
 
 }  // namespace roundabout::bus

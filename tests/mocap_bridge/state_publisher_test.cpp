@@ -145,6 +145,7 @@ class LabWithPublisher final : public bus::Bus {
       handler_ = std::move(handler);
     }
   }
+  void subscribePrefix(const std::string&, Handler) override {}
   int handle(std::chrono::milliseconds) override {
     if (!handler_) {
       return 0;

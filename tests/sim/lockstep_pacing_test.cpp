@@ -44,6 +44,9 @@ class BusWithLab final : public bus::Bus {
   void subscribe(const std::string& channel, Handler handler) override {
     sim_.subscribe(channel, std::move(handler));
   }
+  void subscribePrefix(const std::string& prefix, Handler handler) override {
+    sim_.subscribePrefix(prefix, std::move(handler));
+  }
   int handle(std::chrono::milliseconds timeout) override {
     // The first call of a wait finds nothing, as on a real network.
     if (timeout.count() > 0) {

@@ -57,6 +57,18 @@ TEST(LcmBus, TwoBusesHearEachOther) {
   EXPECT_EQ(at_a, (std::vector<std::size_t>{3}));
 }
 
+TEST(LcmBus, APrefixHearsEveryChannelThatBeginsWithIt) {
+  LcmBus bus(test::ownLcmUrl());
+  std::vector<std::string> heard;
+  bus.subscribePrefix("COMMAND_",
+                      [&](const Received& received) { heard.emplace_back(received.channel); });
+  bus.publish("COMMAND_hex1", bytes(1));
+  bus.publish("MY_COMMAND_hex1", bytes(1));
+  bus.publish("COMMAND_hex2", bytes(1));
+  EXPECT_TRUE(handleUntil(bus, [&] { return heard.size() == 2; }));
+  EXPECT_EQ(heard, (std::vector<std::string>{"COMMAND_hex1", "COMMAND_hex2"}));
+}
+
 TEST(LcmBus, HandleReturnsAfterItsTimeWithoutMessages) {
   LcmBus bus(test::ownLcmUrl());
   bus.subscribe("QUIET", [](const Received&) {});

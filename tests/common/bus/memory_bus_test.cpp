@@ -67,6 +67,16 @@ TEST_F(MemoryBusTest, AChannelIsANameAndNotAPattern) {
   EXPECT_EQ(drain(b_), 0);
 }
 
+TEST_F(MemoryBusTest, APrefixHearsEveryChannelThatBeginsWithIt) {
+  b_.subscribePrefix("COMMAND_",
+                     [this](const Received& received) { heard_.emplace_back(received.channel); });
+  a_.publish("COMMAND_hex1", {});
+  a_.publish("MY_COMMAND_hex1", {});
+  a_.publish("COMMAND_hex2", {});
+  EXPECT_EQ(drain(b_), 2);
+  EXPECT_EQ(heard_, (std::vector<std::string>{"COMMAND_hex1", "COMMAND_hex2"}));
+}
+
 TEST_F(MemoryBusTest, WhatWasSaidBeforeSubscribingIsNotHeard) {
   a_.publish("X", bytesOf("1"));
   listen(b_, "X");
