@@ -1,13 +1,13 @@
 #include "cli/flight_monitor.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
+#include "common/core/fleet_phase.h"
 #include "roundabout_msgs/planner_status_t.hpp"
 
 namespace roundabout::cli {
@@ -16,9 +16,6 @@ namespace {
 
 using roundabout_msgs::fleet_status_t;
 using roundabout_msgs::planner_status_t;
-
-constexpr std::array<const char*, 8> kPhases{"waiting", "idle", "take-off", "go",
-                                             "hold",    "land", "done",     "failed"};
 
 bool onFloor(std::int8_t mode) {
   // WAITING has no goal yet, so it has not taken off.
@@ -87,8 +84,7 @@ void FlightMonitor::onFrame(const core::StatesFrame& frame) {
 
 std::string describe(const Progress& progress, double wall_s) {
   const fleet_status_t& fleet = progress.fleet;
-  const auto phase = static_cast<std::size_t>(fleet.phase);
-  std::string text = phase < kPhases.size() ? kPhases[phase] : "unknown phase";
+  std::string text = core::nameOf(static_cast<core::FleetPhase>(fleet.phase));
   if (!fleet.formation.empty()) {
     text += " " + fleet.formation;
   }

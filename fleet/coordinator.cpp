@@ -7,6 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/spacing.h"
 #include "fleet/goal_check.h"
 
 namespace roundabout::fleet {
@@ -17,6 +18,8 @@ constexpr std::int64_t kIdsPerStep = 1000;
 constexpr std::int64_t kFirstLiveId = 1'000'000;
 constexpr std::size_t kRefusalsKept = 10;
 constexpr std::size_t kLongestQueue = 1000;
+// Places on the floor are measured; they may seem this much closer than they are.
+constexpr double kMeasuring_m = 0.01;
 
 }  // namespace
 
@@ -170,6 +173,10 @@ std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const
   if (needsAir(candidate.verb) && roster_.allOnFloor()) {
     return "all vehicles are on the floor: take off first";
   }
+  // What was begun before fleet was restarted goes on.
+  if (candidate.verb == Verb::kTakeOff && !resuming_) {
+    return tooCloseToTakeOff();
+  }
   if (candidate.verb == Verb::kGoTo) {
     for (std::size_t i = 0; i < roster_.size(); ++i) {
       if (i == candidate.vehicle) {
@@ -194,14 +201,29 @@ std::optional<std::string> Coordinator::cannotBegin(const Step& candidate) const
   return std::nullopt;
 }
 
+std::optional<std::string> Coordinator::tooCloseToTakeOff() const {
+  const double needed_m = config::goalSpacingM(experiment_);
+  for (std::size_t j = 1; j < roster_.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      const double distance_m = (placeAbove(i) - placeAbove(j)).head<2>().norm();
+      if (distance_m < needed_m - kMeasuring_m) {
+        return fmt::format("{} and {} are {:.2f} m apart and must be {:.2f} m to take off",
+                           experiment_.vehicles[i].name, experiment_.vehicles[j].name, distance_m,
+                           needed_m);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> Coordinator::tooClose(std::size_t standing,
                                                  const Eigen::Vector3d& point_m) const {
   const double distance_m = (roster_.placeOf(standing) - point_m).head<2>().norm();
-  if (distance_m >= goalSpacingM(experiment_)) {
+  if (distance_m >= config::goalSpacingM(experiment_)) {
     return std::nullopt;
   }
   return fmt::format("the point is {:.2f} m from {}'s goal and must be {:.2f} m", distance_m,
-                     experiment_.vehicles[standing].name, goalSpacingM(experiment_));
+                     experiment_.vehicles[standing].name, config::goalSpacingM(experiment_));
 }
 
 void Coordinator::begin(core::Utime now) {
@@ -246,10 +268,15 @@ void Coordinator::begin(core::Utime now) {
 
 void Coordinator::sendAllUp(core::Utime now) {
   for (std::size_t i = 0; i < roster_.size(); ++i) {
-    Eigen::Vector3d above = roster_[i].state.position_world_m;
-    above.z() = experiment_.vehicles[i].height_m;
-    setGoal(now, i, core::GoalPhase::kTakeOff, above);
+    setGoal(now, i, core::GoalPhase::kTakeOff, placeAbove(i));
   }
+}
+
+Eigen::Vector3d Coordinator::placeAbove(std::size_t vehicle) const {
+  Eigen::Vector3d above =
+      nearestGoal(experiment_, vehicle, roster_[vehicle].state.position_world_m);
+  above.z() = experiment_.vehicles[vehicle].height_m;
+  return above;
 }
 
 Assignment Coordinator::assign(const Step& formation) const {
@@ -294,7 +321,7 @@ Assignment Coordinator::assignAsReported(const Step& formation) const {
 void Coordinator::sendToFormation(core::Utime now) {
   const Assignment assignment = assign(step());
   for (std::size_t i = 0; i < roster_.size(); ++i) {
-    Eigen::Vector3d position_m = roster_.placeOf(i);
+    Eigen::Vector3d position_m = nearestGoal(experiment_, i, roster_.placeOf(i));
     if (assignment[i] != kUnassigned) {
       position_m = step().points_m[assignment[i]];
       if (step().at_own_heights) {
@@ -307,7 +334,8 @@ void Coordinator::sendToFormation(core::Utime now) {
 
 void Coordinator::stay(core::Utime now) {
   for (std::size_t i = 0; i < roster_.size(); ++i) {
-    setGoal(now, i, core::GoalPhase::kGo, roster_[i].state.position_world_m);
+    setGoal(now, i, core::GoalPhase::kGo,
+            nearestGoal(experiment_, i, roster_[i].state.position_world_m));
   }
 }
 

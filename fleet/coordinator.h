@@ -9,6 +9,7 @@
 
 #include "common/config/experiment.h"
 #include "common/core/command.h"
+#include "common/core/fleet_phase.h"
 #include "common/core/vehicle_state.h"
 #include "fleet/assignment.h"
 #include "fleet/mission.h"
@@ -16,17 +17,7 @@
 
 namespace roundabout::fleet {
 
-/// As in lcmtypes/fleet_status_t.lcm.
-enum class Phase : std::int8_t {
-  kWaiting = 0,
-  kIdle = 1,
-  kTakeOff = 2,
-  kGo = 3,
-  kHold = 4,
-  kLand = 5,
-  kDone = 6,
-  kFailed = 7
-};
+using Phase = core::FleetPhase;
 
 struct Progress {
   std::optional<core::Goal> goal;
@@ -105,6 +96,7 @@ class Coordinator {
   void checkStep(core::Utime now);
 
   void sendAllUp(core::Utime now);
+  Eigen::Vector3d placeAbove(std::size_t vehicle) const;
   void sendToFormation(core::Utime now);
   Assignment assign(const Step& formation) const;
   Assignment assignAsReported(const Step& formation) const;
@@ -113,6 +105,7 @@ class Coordinator {
   void setGoal(core::Utime now, std::size_t vehicle, core::GoalPhase phase,
                const Eigen::Vector3d& position_m);
   std::optional<std::string> cannotBegin(const Step& step) const;
+  std::optional<std::string> tooCloseToTakeOff() const;
   std::optional<std::string> tooClose(std::size_t standing, const Eigen::Vector3d& point_m) const;
   bool complete() const;
 

@@ -14,6 +14,11 @@ namespace roundabout::fleet {
 
 namespace {
 
+using Seconds = std::chrono::duration<double>;
+
+// Longer than a simulator in lockstep waits for a tick's answers, but for a planner that died.
+constexpr double kStatesSilent_s = 1.0;
+
 roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
                                           const config::Experiment& experiment, int rejected) {
   roundabout_msgs::fleet_status_t message;
@@ -54,6 +59,7 @@ FleetNode::FleetNode(const config::Experiment& experiment, bus::Bus& bus)
       coordinator_(std::in_place, experiment),
       timer_(experiment.fleet.rate_hz),
       last_report_(experiment.vehicles.size(), 0) {
+  last_status_ = coordinator_->waitingStatus();
   const auto on_error = [this](const bus::DecodeError& error) {
     reject(error.channel, error.reason);
   };
@@ -109,6 +115,7 @@ void FleetNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
     case core::FrameVerdict::kAccepted:
       break;
   }
+  frame_came_ = true;
   if (!timer_.due(frame_.utime)) {
     return;
   }
@@ -116,7 +123,8 @@ void FleetNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
   for (const core::Goal& goal : output.goals) {
     bus::publish(bus_, bus::goalChannel(goal.vehicle), bus::toMessage(goal));
   }
-  publishStatus(output.status);
+  last_status_ = output.status;
+  publishStatus(last_status_);
 }
 
 void FleetNode::beginAnew() {
@@ -124,6 +132,7 @@ void FleetNode::beginAnew() {
   coordinator_.emplace(experiment_);
   timer_ = core::TickTimer(experiment_.fleet.rate_hz);
   std::fill(last_report_.begin(), last_report_.end(), 0);
+  last_status_ = coordinator_->waitingStatus();
 }
 
 void FleetNode::onPlannerStatus(std::size_t vehicle,
@@ -169,11 +178,33 @@ void FleetNode::onMission(const roundabout_msgs::mission_t& message) {
 }
 
 void FleetNode::onWallClock(WallTime now) {
-  const std::chrono::duration<double> since = now - last_announced_;
-  if (gate_.last() == 0 && since.count() >= 1.0 / experiment_.fleet.rate_hz) {
-    last_announced_ = now;
-    publishStatus(coordinator_->waitingStatus());
+  if (frame_came_) {
+    frame_came_ = false;
+    silent_ = false;
+    last_frame_seen_ = now;
   }
+  const double silent_s = Seconds(now - last_frame_seen_).count();
+  const bool alone = gate_.last() == 0 || silent_s > kStatesSilent_s;
+  if (!alone || Seconds(now - last_announced_).count() < 1.0 / experiment_.fleet.rate_hz) {
+    return;
+  }
+  last_announced_ = now;
+  if (gate_.last() == 0) {
+    publishStatus(coordinator_->waitingStatus());
+  } else {
+    publishSilence(silent_s);
+  }
+}
+
+void FleetNode::publishSilence(double silent_s) {
+  if (!silent_) {
+    silent_ = true;
+    spdlog::warn("no vehicle states for {:.0f} s", silent_s);
+  }
+  FleetStatus status = last_status_;
+  status.reason = fmt::format("no vehicle states for {:.0f} s{}{}", silent_s,
+                              status.reason.empty() ? "" : "; ", status.reason);
+  bus::publish(bus_, bus::kFleetStatusChannel, toMessage(status, experiment_, rejected_));
 }
 
 void FleetNode::publishStatus(const FleetStatus& status) {
@@ -187,8 +218,8 @@ void FleetNode::logProgress(const FleetStatus& status) {
     return;
   }
   const bool bad = status.phase == Phase::kFailed;
-  spdlog::log(bad ? spdlog::level::err : spdlog::level::info, "{}{}{}{}{}",
-              nameOf(status.phase), status.formation.empty() ? "" : " ", status.formation,
+  spdlog::log(bad ? spdlog::level::err : spdlog::level::info, "{}{}{}{}{}", nameOf(status.phase),
+              status.formation.empty() ? "" : " ", status.formation,
               status.reason.empty() ? "" : ": ", status.reason);
   logged_phase_ = status.phase;
   logged_text_ = text;

@@ -27,7 +27,8 @@ class FleetNode {
   FleetNode(const FleetNode&) = delete;
   FleetNode& operator=(const FleetNode&) = delete;
 
-  /// Call at least every 50 ms: announces itself before the first state.
+  /// Call at least every 50 ms: at the fleet's rate, announces itself before the first state and
+  /// repeats its last status, with the reason, once no frame has come for more than a second.
   void onWallClock(WallTime now);
 
  private:
@@ -38,6 +39,7 @@ class FleetNode {
   void onMission(const roundabout_msgs::mission_t& message);
   void reject(std::string_view channel, const std::string& reason);
   void publishStatus(const FleetStatus& status);
+  void publishSilence(double silent_s);
   void logProgress(const FleetStatus& status);
 
   const config::Experiment& experiment_;
@@ -48,6 +50,10 @@ class FleetNode {
   core::StatesFrame frame_;
   std::vector<core::Utime> last_report_;
   core::Utime last_mission_ = 0;
+  FleetStatus last_status_;
+  bool frame_came_ = false;  // since onWallClock() looked
+  bool silent_ = false;
+  WallTime last_frame_seen_;
   WallTime last_announced_;
   int rejected_ = 0;
   std::map<std::string, int, std::less<>> rejected_on_;

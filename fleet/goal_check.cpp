@@ -1,19 +1,17 @@
 #include "fleet/goal_check.h"
 
-#include <algorithm>
-
 #include <spdlog/fmt/fmt.h>
+
+#include "common/config/spacing.h"
 
 namespace roundabout::fleet {
 
-double goalSpacingM(const config::Experiment& experiment) {
-  double largest_m = 0.0;
-  double second_m = 0.0;
-  for (const config::Vehicle& vehicle : experiment.vehicles) {
-    second_m = std::max(second_m, std::min(largest_m, vehicle.assumed_radius_m));
-    largest_m = std::max(largest_m, vehicle.assumed_radius_m);
-  }
-  return largest_m + second_m + experiment.safety.goal_margin_m;
+Eigen::Vector3d nearestGoal(const config::Experiment& experiment, std::size_t vehicle,
+                            const Eigen::Vector3d& place_m) {
+  const double body_m = experiment.vehicles[vehicle].body_radius_m;
+  const Eigen::Vector3d margin_m(body_m, body_m, 0.0);
+  return place_m.cwiseMax(experiment.room.min_m + margin_m)
+      .cwiseMin(experiment.room.max_m - margin_m);
 }
 
 std::optional<std::string> refuseGoals(const config::Experiment& experiment,
@@ -22,10 +20,7 @@ std::optional<std::string> refuseGoals(const config::Experiment& experiment,
     return fmt::format("{} goals are more than {} vehicles", points_m.size(),
                        experiment.vehicles.size());
   }
-  double body_m = 0.0;
-  for (const config::Vehicle& vehicle : experiment.vehicles) {
-    body_m = std::max(body_m, vehicle.body_radius_m);
-  }
+  const double body_m = config::largestBodyRadiusM(experiment);
   const config::Room& room = experiment.room;
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     const Eigen::Vector3d& point = points_m[i];
@@ -44,7 +39,7 @@ std::optional<std::string> refuseGoals(const config::Experiment& experiment,
     }
   }
   constexpr double kRounding_m = 1e-9;
-  const double needed_m = goalSpacingM(experiment);
+  const double needed_m = config::goalSpacingM(experiment);
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     for (std::size_t j = i + 1; j < points_m.size(); ++j) {
       const double distance_m = (points_m[i] - points_m[j]).head<2>().norm();

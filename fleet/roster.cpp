@@ -143,7 +143,7 @@ bool Roster::holds(std::size_t vehicle) const {
 }
 
 bool Roster::onFloor(std::size_t vehicle) const {
-  const double height_m = members_[vehicle].state.position_world_m.z() - experiment_.room.min_m.z();
+  const double height_m = members_[vehicle].state.position_world_m.z();
   const PlannerMode mode = members_[vehicle].planner.mode;
   return config::flies(experiment_.vehicles[vehicle])
              ? height_m <= experiment_.safety.airborne_height_m

@@ -1,38 +1,16 @@
 #include "logs/flight.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace roundabout::logs {
 
 namespace {
 
-template <class Enum, std::size_t kCount>
-std::string nameIn(const std::array<const char*, kCount>& names, Enum value) {
-  const auto index = static_cast<std::size_t>(value);
-  return index < kCount ? names[index] : "unknown";
-}
-
 // Data and wall clock of a flight in real time differ by the clocks' drift and by start and end.
 constexpr double kRealTimeTolerance = 0.02;
 
 }  // namespace
-
-std::string nameOf(PlannerMode mode) {
-  return nameIn<PlannerMode, 9>({"waiting", "on_floor", "taking_off", "flying", "at_goal",
-                                 "holding", "landing", "landed", "killed"},
-                                mode);
-}
-
-std::string nameOf(FleetPhase phase) {
-  return nameIn<FleetPhase, 8>(
-      {"waiting", "idle", "take_off", "go", "hold", "land", "done", "failed"}, phase);
-}
-
-std::string nameOf(core::SafetyOrderKind order) {
-  return nameIn<core::SafetyOrderKind, 4>({"hold", "land", "kill", "resume"}, order);
-}
 
 double Flight::secondsAt(core::Utime utime) const {
   return frames.empty() ? 0.0 : core::toSeconds(utime - frames.front().utime);

@@ -12,40 +12,15 @@
 
 #include "common/config/experiment.h"
 #include "common/core/command.h"
+#include "common/core/fleet_phase.h"
+#include "common/core/planner_mode.h"
 #include "common/core/time.h"
 #include "logs/reading/event_scan.h"
 
 namespace roundabout::logs {
 
-/// As planner_status_t.mode.
-enum class PlannerMode : std::int8_t {
-  kWaiting = 0,
-  kOnFloor,
-  kTakingOff,
-  kFlying,
-  kAtGoal,
-  kHolding,
-  kLanding,
-  kLanded,
-  kKilled
-};
-
-/// As fleet_status_t.phase.
-enum class FleetPhase : std::int8_t {
-  kWaiting = 0,
-  kIdle,
-  kTakeOff,
-  kGo,
-  kHold,
-  kLand,
-  kDone,
-  kFailed
-};
-
-/// Lower-case words for people and JSON ("at_goal"); "unknown" outside the enumeration.
-std::string nameOf(PlannerMode mode);
-std::string nameOf(FleetPhase phase);
-std::string nameOf(core::SafetyOrderKind order);
+using core::FleetPhase;
+using core::PlannerMode;
 
 /// A message with the wall-clock time at which the logger received it.
 template <class Value>

@@ -45,6 +45,21 @@ struct Goal {
 /// As in lcmtypes/safety_order_t.lcm.
 enum class SafetyOrderKind : std::int8_t { kHold = 0, kLand = 1, kKill = 2, kResume = 3 };
 
+/// The message's word in lower case; "unknown" for a number that is none.
+constexpr const char* nameOf(SafetyOrderKind order) {
+  switch (order) {
+    case SafetyOrderKind::kHold:
+      return "hold";
+    case SafetyOrderKind::kLand:
+      return "land";
+    case SafetyOrderKind::kKill:
+      return "kill";
+    case SafetyOrderKind::kResume:
+      return "resume";
+  }
+  return "unknown";
+}
+
 struct SafetyOrder {
   Utime utime = 0;
   std::string vehicle;  ///< empty: all

@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/spacing.h"
 #include "fleet/formations/spread.h"
 #include "fleet/goal_check.h"
 
@@ -70,7 +71,7 @@ PointsOrRefusal letterPoints(const config::Experiment& experiment, const StrokeF
   }
   const std::vector<Stroke>& strokes = font.strokes(character);
   const Layout layout =
-      layOut(strokes, count, experiment.fleet.letter_height_m, goalSpacingM(experiment));
+      layOut(strokes, count, experiment.fleet.letter_height_m, config::goalSpacingM(experiment));
   const Eigen::Vector2d centre = centreOf(strokes);
   std::vector<Eigen::Vector3d> points_m;
   for (std::size_t i = 0; i < count; ++i) {

@@ -161,6 +161,51 @@ TEST(Coordinator, TakesEachVehicleUpAboveItsPlace) {
   }
 }
 
+TEST(Coordinator, AVehicleThatStandsBesideTheWallIsSentUpInsideTheRoom) {
+  Flight flight(spelling("H"));
+  flight.vehicles[0].position_world_m = {-19.9, -20.5, 0.0};
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  EXPECT_EQ(flight.goals[0].position_world_m, Eigen::Vector3d(-19.65, -19.65, 1.0));
+}
+
+TEST(Coordinator, AVehicleThatIsToStayBesideTheWallStaysInsideTheRoom) {
+  Flight flight(spelling("H"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));
+  flight.vehicles[0].position_world_m = {19.9, 0.0, 1.0};
+  flight.coordinator.onMission(1, verb("hold"));
+  flight.tick();
+  ASSERT_EQ(flight.goals.size(), 3u);
+  EXPECT_EQ(flight.goals[0].position_world_m, Eigen::Vector3d(19.65, 0.0, 1.0));
+}
+
+TEST(Coordinator, VehiclesThatStandTooCloseAreNotSentUp) {
+  Flight flight(spelling("H"));
+  flight.vehicles[1].position_world_m = {0.72, -5.0, 0.0};
+  ASSERT_TRUE(flight.runUntil(Phase::kFailed));
+  EXPECT_EQ(flight.status.reason, "v1 and v2 are 0.72 m apart and must be 1.10 m to take off");
+  for (const FleetStatus& status : flight.history) {
+    EXPECT_NE(status.phase, Phase::kTakeOff);
+  }
+}
+
+TEST(Coordinator, ALiveTakeOffOfVehiclesThatStandTooCloseIsRefused) {
+  Flight flight(withMission({}));
+  flight.vehicles[2].position_world_m = {2.0, -4.5, 0.0};
+  flight.run(1.0);
+  flight.coordinator.onMission(3, verb("take_off"));
+  flight.run(1.0);
+  ASSERT_EQ(flight.status.refusals.size(), 1u);
+  EXPECT_EQ(flight.status.refusals[0],
+            "mission 3: v2 and v3 are 0.50 m apart and must be 1.10 m to take off");
+  EXPECT_EQ(flight.status.phase, Phase::kIdle);
+}
+
+TEST(Coordinator, StartsExactlyFarEnoughApartMayBeMeasuredALittleCloser) {
+  Flight flight(spelling("H"));
+  flight.vehicles[1].position_world_m = {1.0995, -5.0, 0.0};
+  EXPECT_TRUE(flight.runUntil(Phase::kTakeOff));
+}
+
 TEST(Coordinator, RepeatsGoalsOnceASecondUnchanged) {
   Flight flight(spelling("H"));
   flight.stuck = {true, true, true};

@@ -108,6 +108,33 @@ TEST_F(FleetNodeTest, AnnouncesItselfBeforeTheFirstState) {
   EXPECT_EQ(statuses_[0].reason, "waits for v1's planner, v2's planner, v3's planner");
 }
 
+TEST_F(FleetNodeTest, SaysThatFramesHaveStoppedSoThatNobodyFliesBesideIt) {
+  const auto start = std::chrono::steady_clock::now();
+  run(1.0);
+  node_->onWallClock(start);
+  statuses_.clear();
+  node_->onWallClock(start + milliseconds(1000));
+  deliver();
+  EXPECT_TRUE(statuses_.empty()) << "a simulator in lockstep may just be waiting";
+  for (int ms = 1010; ms < 3010; ms += 50) {
+    node_->onWallClock(start + milliseconds(ms));
+  }
+  deliver();
+  ASSERT_EQ(statuses_.size(), 10u) << "at 5 Hz of wall clock";
+  EXPECT_EQ(statuses_.back().reason.find("no vehicle states for 3 s"), 0u)
+      << statuses_.back().reason;
+  EXPECT_EQ(statuses_.back().phase, int{fleet_status_t::TAKE_OFF});
+  EXPECT_EQ(statuses_.back().utime, now_) << "of the last tick: no data time has passed";
+  EXPECT_EQ(statuses_.back().num_vehicles, 3);
+
+  run(0.2);
+  node_->onWallClock(start + milliseconds(3050));
+  statuses_.clear();
+  node_->onWallClock(start + milliseconds(3300));
+  deliver();
+  EXPECT_TRUE(statuses_.empty()) << "the frames are back";
+}
+
 TEST_F(FleetNodeTest, SendsGoalsBeforeTheStatusOfTheSameTick) {
   run(0.1);
   order_.clear();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/config/spacing.h"
 #include "fleet/formations/spread.h"
 #include "fleet/goal_check.h"
 #include "tests/fleet/small_fleet.h"
