@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   CLI::App app("Multi-vehicle experiments in a motion-capture lab", "roundabout");
   app.require_subcommand(1);
   roundabout::cli::addFlyCommand(app, exit_status);
-  roundabout::cli::addOrderCommand(app);
+  roundabout::cli::addOrderCommand(app, exit_status);
   roundabout::cli::addMissionCommand(app, exit_status);
   roundabout::logs::addLogCommands(app);
   roundabout::planner::addPolicyCommands(app);

@@ -8,6 +8,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "cli/order_delivery.h"
 #include "cli/wall_clock.h"
 #include "common/bus/lcm_bus.h"
 #include "common/bus/messages.h"
@@ -45,13 +46,21 @@ SafetyOrderKind orderCalled(const std::string& name) {
   return kOrders.at(name);
 }
 
-void sendOrder(const OrderOptions& options) {
-  bus::LcmBus bus(bus::resolveUrl(options.lcm_url));
+int sendOrder(const OrderOptions& options) {
+  const std::string url = bus::resolveUrl(options.lcm_url);
+  bus::LcmBus bus(url);
   core::SafetyOrder order;
   order.utime = wallTime();
   order.vehicle = options.vehicle;
   order.order = orderCalled(options.order);
-  bus::publish(bus, bus::kSafetyOrderChannel, bus::toMessage(order));
+  const Delivery delivery = deliver(bus, order);
+  for (const std::string& line : delivery.obeyed) {
+    fmt::print("{}\n", line);
+  }
+  for (const std::string& line : delivery.problems) {
+    fmt::print(stderr, "roundabout: {} on {}\n", line, url);
+  }
+  return delivery.complete() ? 0 : 1;
 }
 
 int sendMission(const MissionOptions& options) {
@@ -95,7 +104,7 @@ int sendMission(const MissionOptions& options) {
 
 }  // namespace
 
-void addOrderCommand(CLI::App& app) {
+void addOrderCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("order", "Order vehicles to hold, land, kill or resume");
   auto options = std::make_shared<OrderOptions>();
   command->add_option("order", options->order, "hold, land, kill (stop the motors) or resume")
@@ -103,7 +112,7 @@ void addOrderCommand(CLI::App& app) {
       ->check(CLI::IsMember({"hold", "land", "kill", "resume"}));
   command->add_option("--vehicle", options->vehicle, "Default: all");
   command->add_option("--lcm-url", options->lcm_url, "Default: LCM_DEFAULT_URL");
-  command->callback([options] { sendOrder(*options); });
+  command->callback([options, &exit_status] { exit_status = sendOrder(*options); });
 }
 
 void addMissionCommand(CLI::App& app, int& exit_status) {
