@@ -14,6 +14,10 @@ namespace {
 
 // Sources deliver rounded quaternions; farther from unit than this it is not rounding any more.
 constexpr double kUnitTolerance = 0.01;
+// No source is faster. Hz.
+constexpr double kHighestRate = 1000.0;
+// A source that counts from more than this at 1 kHz has run for 30 years: it is not counting.
+constexpr std::int64_t kHighestFirstNumber = 1'000'000'000'000;
 
 bool usable(const core::VehicleState& state) {
   return state.position_world_m.allFinite() && state.velocity_world_mps.allFinite() &&
@@ -30,21 +34,45 @@ StatePublisher::StatePublisher(bus::Bus& bus, const std::vector<std::string>& ve
   }
 }
 
-bool StatePublisher::continues(const core::StatesFrame& frame) const {
-  const bool newer = counters_.published == 0 ||
-                     (frame.utime > out_.utime && frame.frame_number > out_.frame_number);
-  return newer && std::equal(frame.vehicles.begin(), frame.vehicles.end(), out_.vehicles.begin(),
-                             out_.vehicles.end(),
-                             [](const auto& a, const auto& b) { return a.name == b.name; });
+bool StatePublisher::hasOurVehicles(const core::StatesFrame& frame) const {
+  return std::equal(frame.vehicles.begin(), frame.vehicles.end(), out_.vehicles.begin(),
+                    out_.vehicles.end(),
+                    [](const auto& a, const auto& b) { return a.name == b.name; });
+}
+
+void StatePublisher::forget() {
+  for (core::VehicleState& state : out_.vehicles) {
+    core::VehicleState blank;
+    blank.name = state.name;
+    state = blank;
+  }
+}
+
+std::int64_t StatePublisher::numberOf(const core::StatesFrame& frame) const {
+  if (counters_.published == 0) {
+    const bool counts = frame.frame_number >= 0 && frame.frame_number <= kHighestFirstNumber;
+    return counts ? frame.frame_number : 0;
+  }
+  const bool grows = frame.frame_number > source_number_ && source_number_ >= 0;
+  const double passed_s = core::toSeconds(frame.utime - out_.utime);
+  const std::int64_t step = grows ? frame.frame_number - source_number_ : 1;
+  return out_.frame_number +
+         (static_cast<double>(step) <= passed_s * kHighestRate + 1.0 ? step : 1);
 }
 
 bool StatePublisher::publish(const core::StatesFrame& frame) {
-  if (!continues(frame)) {
+  const core::FrameVerdict verdict =
+      hasOurVehicles(frame) ? gate_.judge(frame.utime) : core::FrameVerdict::kRefused;
+  if (verdict == core::FrameVerdict::kRefused) {
     ++counters_.dropped_frames;
     return false;
   }
+  if (verdict == core::FrameVerdict::kNewEpoch) {
+    forget();
+  }
+  out_.frame_number = numberOf(frame);
   out_.utime = frame.utime;
-  out_.frame_number = frame.frame_number;
+  source_number_ = frame.frame_number;
   for (std::size_t i = 0; i < frame.vehicles.size(); ++i) {
     const core::VehicleState& in = frame.vehicles[i];
     core::VehicleState& out = out_.vehicles[i];

@@ -9,19 +9,25 @@
 #include <vector>
 
 #include "common/bus/bus.h"
+#include "common/core/frame_gate.h"
 #include "common/core/vehicle_state.h"
 
 namespace roundabout::mocap_bridge {
 
 /// Publishes frames and keeps the promises of lcmtypes/vehicle_states_t.lcm whatever it is given:
-/// utime and frame_number strictly increase, vehicles stand in the order of the experiment, numbers
-/// are finite, quaternions are unit, last_seen is the utime of the last frame in which the vehicle
-/// was tracked, and a vehicle that is not tracked shows its last estimate (zeros before the first).
+/// utime increases, but for a source that was started anew (core::FrameGate), frame_number always;
+/// vehicles stand in the order of the experiment, numbers are finite, quaternions are unit,
+/// last_seen is the utime of the last frame in which the vehicle was tracked, and a vehicle that is
+/// not tracked shows its last estimate (zeros before the first).
+///
+/// Numbers begin with the source's and grow by what the source's grow by, so that frames which
+/// were lost are missing in them; a step that the time between the frames does not allow counts as
+/// one.
 class StatePublisher {
  public:
   struct Counters {
     std::int64_t published = 0;
-    std::int64_t dropped_frames = 0;   ///< utime or frame_number did not increase, wrong vehicles
+    std::int64_t dropped_frames = 0;   ///< utime old or corrupt, wrong vehicles
     std::int64_t rejected_states = 0;  ///< said to be tracked, but not finite or not a rotation
   };
 
@@ -37,10 +43,14 @@ class StatePublisher {
   const Counters& counters() const { return counters_; }
 
  private:
-  bool continues(const core::StatesFrame& frame) const;
+  bool hasOurVehicles(const core::StatesFrame& frame) const;
+  void forget();
+  std::int64_t numberOf(const core::StatesFrame& frame) const;
 
   bus::Bus& bus_;
+  core::FrameGate gate_;
   core::StatesFrame out_;
+  std::int64_t source_number_ = 0;  // of the last published frame
   Counters counters_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "common/app/real_time.h"
 #include "common/bus/lcm_bus.h"
+#include "common/core/error.h"
 #include "mocap_bridge/state_publisher.h"
 #include "sim/lockstep_pacing.h"
 #include "sim/real_time_pacing.h"
@@ -27,13 +28,16 @@ void logReport(const SimNode& node, Clock::time_point begin) {
       "{} frames ({} skipped), {:.2f} s of data in {:.2f} s of wall clock ({:.1f} x real time), "
       "{} collisions of bodies in truth ({:.2f} s), closest {:.3f} m, {} messages refused",
       report.frames, report.skipped_frames, report.data_time_s, wall_s, report.data_time_s / wall_s,
-      report.contacts, report.contact_s, report.closest_m, report.refused_commands);
+      report.contacts, report.contact_s, report.closest_m, report.refused_messages);
 }
 
 }  // namespace
 
 int runSim(const SimOptions& /*options*/, app::Context& context) {
   const config::Experiment& experiment = context.experiment;
+  if (experiment.source != "sim") {
+    throw core::StartupError(experiment.file, "source", "sim", experiment.source);
+  }
   const auto stop = [&context] { return context.stop.requested(); };
   {
     bus::LcmBus listener(context.lcm_url);

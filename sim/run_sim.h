@@ -12,7 +12,8 @@ struct SimOptions {
   void addOptions(CLI::App& /*app*/) {}
 };
 
-/// Runs until the mission has ended, sim.max_duration_s, SIGINT or SIGTERM.
+/// Runs until the mission has ended, sim.max_duration_s, SIGINT or SIGTERM. Throws
+/// core::StartupError if the experiment has another source of states, or somebody publishes them.
 int runSim(const SimOptions& options, app::Context& context);
 
 }  // namespace roundabout::sim

@@ -58,11 +58,30 @@ void SimNode::onCommand(std::size_t vehicle, const roundabout_msgs::command_t& m
 }
 
 void SimNode::onFleetStatus(const roundabout_msgs::fleet_status_t& message) {
+  if (const char* reason = refusalOf(message)) {
+    rejections_.add(bus::kFleetStatusChannel, reason);
+    return;
+  }
+  last_fleet_status_ = std::max(last_fleet_status_, message.utime);
   const bool ended = message.phase == roundabout_msgs::fleet_status_t::DONE ||
                      message.phase == roundabout_msgs::fleet_status_t::FAILED;
   if (ended && !end_utime_) {
-    end_utime_ = std::min(message.utime, next_utime_) + kAfterEndUs;
+    end_utime_ = message.utime + kAfterEndUs;
   }
+}
+
+/// What somebody plays from a log, or a fleet of an earlier flight, must not end this one.
+const char* SimNode::refusalOf(const roundabout_msgs::fleet_status_t& message) const {
+  const bool before_states =
+      message.utime == 0 && message.phase == roundabout_msgs::fleet_status_t::WAITING;
+  if (before_states) {
+    return nullptr;
+  }
+  if (message.utime < std::max(first_utime_, last_fleet_status_)) {
+    return "older than this flight or its last status";
+  }
+  const core::Utime newest = next_utime_ - frameIntervalUs();
+  return message.utime <= newest ? nullptr : "newer than the newest frame";
 }
 
 void SimNode::advance() {

@@ -25,7 +25,7 @@ class SimNode {
     std::size_t contacts;
     double contact_s;
     double closest_m;
-    int refused_commands;
+    int refused_messages;
   };
 
   /// Frame k has utime first_utime + k frame intervals. Throws core::StartupError as World.
@@ -54,6 +54,7 @@ class SimNode {
  private:
   void onCommand(std::size_t vehicle, const roundabout_msgs::command_t& message);
   void onFleetStatus(const roundabout_msgs::fleet_status_t& message);
+  const char* refusalOf(const roundabout_msgs::fleet_status_t& message) const;
   const core::StatesFrame& exposeNext();
   void logNewContacts();
 
@@ -61,6 +62,7 @@ class SimNode {
   const core::Utime first_utime_;
   core::Utime next_utime_;
   std::optional<core::Utime> end_utime_;
+  core::Utime last_fleet_status_ = 0;
   World world_;
   MocapModel mocap_;
   mocap_bridge::StatePublisher publisher_;

@@ -66,10 +66,69 @@ TEST_F(StatePublisherTest, DropsAFrameOfTheSameTime) {
   EXPECT_EQ(heard_.size(), 1U);
 }
 
-TEST_F(StatePublisherTest, DropsAFrameOfTheSameNumber) {
+TEST_F(StatePublisherTest, AFrameFromTheFutureDoesNotBlindTheLab) {
   publishNext();
-  frame_.utime += 5000;
-  EXPECT_FALSE(publishAgain());
+  frame_.utime += 86'400'000'000;
+  EXPECT_FALSE(publishNext());
+  frame_.utime -= 86'400'000'000;
+  EXPECT_TRUE(publishNext());
+}
+
+TEST_F(StatePublisherTest, ANumberFromTheFutureDoesNotBlindTheLab) {
+  publishNext();
+  frame_.frame_number = std::numeric_limits<std::int64_t>::max() - 1;
+  EXPECT_TRUE(publishNext());
+  EXPECT_EQ(heard_.back().frame_number, 1);
+  frame_.frame_number = 1;
+  EXPECT_TRUE(publishNext());
+  EXPECT_EQ(heard_.back().frame_number, 2);
+  EXPECT_TRUE(publishNext());
+  EXPECT_EQ(heard_.back().frame_number, 3);
+}
+
+TEST_F(StatePublisherTest, CountsOnWhenTheSourceDoesNot) {
+  publishNext();
+  for (const std::int64_t number : {0L, -7L, -8L}) {
+    frame_.frame_number = number;
+    frame_.utime += 5000;
+    EXPECT_TRUE(publishAgain());
+  }
+  EXPECT_EQ(heard_.back().frame_number, 3);
+}
+
+TEST_F(StatePublisherTest, BeginsWithTheSourcesNumberIfItIsOne) {
+  frame_.frame_number = 123'456;
+  publishNext();
+  EXPECT_EQ(heard_.back().frame_number, 123'457);
+  StatePublisher other(bus_, {"hex1", "hex2"});
+  frame_.frame_number = std::numeric_limits<std::int64_t>::max();
+  EXPECT_TRUE(other.publish(frame_));
+  EXPECT_EQ(other.lastPublished().frame_number, 0);
+}
+
+TEST_F(StatePublisherTest, FramesThatTheSourceLostAreMissingInTheNumbers) {
+  publishNext();
+  frame_.frame_number += 2;
+  frame_.utime += 10'000;
+  publishNext();
+  EXPECT_EQ(heard_.back().frame_number, 3);
+}
+
+TEST_F(StatePublisherTest, ASourceThatWasStartedAnewIsFollowedAndNothingOldIsShown) {
+  frame_.utime = 3'600'000'000;
+  publishNext();
+  frame_.utime = 1'000'000;
+  frame_.frame_number = -1;
+  frame_.vehicles[0].tracked = false;
+  frame_.vehicles[0].position_world_m.x() = 5.0;
+  for (int k = 0; k < 9; ++k) {
+    EXPECT_FALSE(publishNext());
+  }
+  EXPECT_TRUE(publishNext());
+  EXPECT_EQ(heard_.back().utime, 1'050'000);
+  EXPECT_EQ(heard_.back().frame_number, 1);
+  EXPECT_EQ(first().last_seen, 0) << "not later than the frame";
+  EXPECT_EQ(second().last_seen, 1'050'000);
 }
 
 TEST_F(StatePublisherTest, GoesOnAfterADroppedFrame) {

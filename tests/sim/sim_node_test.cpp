@@ -9,6 +9,8 @@
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
 #include "sim/lockstep_pacing.h"
+#include "sim/run_sim.h"
+#include "tests/support/startup_error.h"
 
 namespace roundabout::sim {
 namespace {
@@ -155,7 +157,7 @@ TEST_F(SimNodeTest, RefusesWhatIsNotACommand) {
   lab_.publish("COMMAND_hex1", garbage);
   lab_.publish("COMMAND_hex1", garbage);
   EXPECT_EQ(refused("wrong fingerprint"), 2);
-  EXPECT_EQ(node_.report().refused_commands, 2);
+  EXPECT_EQ(node_.report().refused_messages, 2);
 }
 
 TEST_F(SimNodeTest, RefusesNumbersThatAreNotFinite) {
@@ -188,6 +190,31 @@ TEST_F(SimNodeTest, EndsASecondAfterTheMissionIsDone) {
   EXPECT_EQ(frames_.back().utime, kBegin + core::kMicrosPerSecond);
 }
 
+TEST_F(SimNodeTest, AnotherFlightsEndFromALogDoesNotEndIt) {
+  for (int k = 0; k < 3; ++k) {
+    frame();
+  }
+  const auto done = roundabout_msgs::fleet_status_t::DONE;
+  lab_.publish("FLEET_STATUS", fleetPayload(0, done));
+  lab_.publish("FLEET_STATUS", fleetPayload(kBegin - 1, roundabout_msgs::fleet_status_t::FAILED));
+  lab_.publish("FLEET_STATUS", fleetPayload(kBegin + 10'001, done));
+  lab_.publish("FLEET_STATUS", fleetPayload(kBegin + 3'600'000'000, done));
+  lab_.publish("FLEET_STATUS", fleetPayload(kBegin + 10'000, roundabout_msgs::fleet_status_t::GO));
+  lab_.publish("FLEET_STATUS", fleetPayload(kBegin + 5'000, done));
+  for (int k = 0; k < 500; ++k) {
+    frame();
+  }
+  EXPECT_FALSE(node_.finished());
+  EXPECT_EQ(node_.report().refused_messages, 5);
+}
+
+TEST_F(SimNodeTest, AFleetThatStartsIsNoCauseForComplaint) {
+  frame();
+  lab_.publish("FLEET_STATUS", fleetPayload(0, roundabout_msgs::fleet_status_t::WAITING));
+  frame();
+  EXPECT_EQ(node_.report().refused_messages, 0);
+}
+
 TEST_F(SimNodeTest, DoesNotEndWhileTheMissionGoesOn) {
   lab_.publish("FLEET_STATUS", fleetPayload(0, roundabout_msgs::fleet_status_t::WAITING));
   for (int k = 0; k < 500; ++k) {
@@ -205,6 +232,15 @@ TEST_F(SimNodeTest, ASkippedFrameIsAGapInTheNumbersButNotInTheWorld) {
   EXPECT_EQ(frames_[1].frame_number, 2);
   EXPECT_EQ(frames_[1].utime, kBegin + 10'000);
   EXPECT_EQ(node_.report().skipped_frames, 1);
+}
+
+TEST(RunSim, RefusesAnExperimentWithAnotherSourceOfStates) {
+  config::Experiment experiment = twoVehicles();
+  experiment.source = "vicon";
+  app::StopSignal stop;
+  app::Context context{experiment, "memq://", stop};
+  EXPECT_EQ(test::startupErrorOf([&] { runSim({}, context); }),
+            "demo.yaml: source: expected sim, found vicon");
 }
 
 TEST(SimNodeDuration, EndsAtItsLongestDuration) {
