@@ -17,6 +17,10 @@ namespace {
 constexpr double kHeightReached_m = 0.15;
 // Slower than this, a vehicle on the floor has landed (and one that drives has stopped).
 constexpr double kAtRest_mps = 0.1;
+// A take-off is straight up, give or take the drift since the fleet looked.
+constexpr double kTakeOffReach_m = 0.5;
+// Year 2200: a stamp beyond it is corrupt.
+constexpr core::Utime kNoSuchTime = 7'258'118'400'000'000;
 
 std::size_t indexOf(const config::Experiment& experiment, const std::string& vehicle) {
   std::string known;
@@ -29,12 +33,8 @@ std::size_t indexOf(const config::Experiment& experiment, const std::string& veh
   throw core::StartupError(experiment.file, "--vehicle", "one of " + known, "\"" + vehicle + "\"");
 }
 
-// From a state to the first deceleration: the command's way through radio and autopilot, and the
-// tilt that must turn.
-double reactionS(const config::Experiment& experiment) {
-  const config::MultirotorModel& model = experiment.sim.multirotor;
-  return 1.0 / experiment.planner.rate_hz + model.command_delay_s +
-         2.0 * model.attitude_time_constant_s;
+std::string noStatesReason(const config::Safety& safety) {
+  return fmt::format("no vehicle states for {:.0f} ms", 1e3 * safety.states_land_s);
 }
 
 }  // namespace
@@ -47,17 +47,27 @@ PlannerCore::PlannerCore(const config::Experiment& experiment, const std::string
       tracks_(experiment),
       timer_(experiment.planner.rate_hz),
       room_(experiment.room, experiment.vehicles[own_index_], experiment.safety.room_land_margin_m,
-            reactionS(experiment)) {
+            experiment.safety.reaction_s) {
   others_.reserve(experiment.vehicles.size());
 }
 
 std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& frame) {
-  if (!gate_.accept(frame.utime)) {
-    onRejected();
-    return std::nullopt;
+  const core::Utime before = gate_.last();
+  switch (gate_.judge(frame.utime)) {
+    case core::FrameVerdict::kRefused:
+      onRejected();
+      return std::nullopt;
+    case core::FrameVerdict::kNewEpoch:
+      beginAnew();
+      break;
+    case core::FrameVerdict::kAccepted:
+      break;
   }
   if (first_frame_ == 0) {
     first_frame_ = frame.utime;
+  } else if (motors_on_ &&
+             core::toSeconds(frame.utime - before) >= experiment_.safety.states_land_s) {
+    latch_.fault(Latch::kLand, noStatesReason(experiment_.safety));
   }
   rejected_messages_ += tracks_.update(frame);
   if (!timer_.due(frame.utime)) {
@@ -66,58 +76,99 @@ std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& f
   return tick(frame.utime);
 }
 
-void PlannerCore::onGoal(const core::Goal& goal) {
-  const bool stale = goal_ && goal.utime < goal_->utime;
-  const bool corrupt = started() && goal.utime - gate_.last() > core::kFarAhead;
-  const bool outside =
-      goal.phase != core::GoalPhase::kLand && !room_.inside(goal.position_world_m.head<2>());
-  if (goal.vehicle != vehicle().name || stale || corrupt || outside) {
-    onRejected();
-    return;
-  }
-  pending_goals_.push_back(goal);
+/// The states' time went back: nothing from before can be compared with what comes.
+void PlannerCore::beginAnew() {
+  tracks_ = TrackTable(experiment_);
+  timer_ = core::TickTimer(experiment_.planner.rate_hz);
+  first_frame_ = 0;
+  placed_ = false;
+  resumed_ = false;
+  pending_goals_.clear();
+  goal_.reset();
+  policy_->reset();
 }
 
-void PlannerCore::onOrder(const core::SafetyOrder& order) {
+const char* PlannerCore::onGoal(const core::Goal& goal) {
+  const char* reason = nullptr;
+  if (goal.vehicle != vehicle().name) {
+    reason = "of another vehicle";
+  } else if (goal.utime < 0 || (started() && goal.utime > gate_.last() + core::kFarAhead)) {
+    reason = "its time stamp is corrupt";
+  } else if (goal_ && goal.utime < goal_->utime) {
+    reason = "older than the goal before it";
+  } else if (goal.phase != core::GoalPhase::kLand && room_.mustLand(goal.position_world_m)) {
+    reason = "outside the room";
+  } else if (goal.phase != core::GoalPhase::kLand && config::flies(vehicle()) &&
+             goal.position_world_m.z() <= experiment_.safety.airborne_height_m) {
+    reason = "too low to fly at";
+  }
+  if (reason != nullptr) {
+    onRejected();
+    return reason;
+  }
+  pending_goals_.push_back(goal);
+  pending_goals_.back().position_world_m = room_.clipPosition(goal.position_world_m);
+  return nullptr;
+}
+
+const char* PlannerCore::onOrder(const core::SafetyOrder& order) {
   if (!order.vehicle.empty() && order.vehicle != vehicle().name) {
     const bool known = std::any_of(
         experiment_.vehicles.begin(), experiment_.vehicles.end(),
         [&](const config::Vehicle& candidate) { return candidate.name == order.vehicle; });
     rejected_messages_ += known ? 0 : 1;
-    return;
+    return known ? nullptr : "for a vehicle that the experiment does not have";
   }
-  // What makes the vehicle safer is obeyed whatever its stamp; only an old RESUME is refused, and a
+  // What makes the vehicle safer is obeyed whatever its stamp. Only an old RESUME is refused, and a
   // repeated one lifts nothing that was latched since.
-  if (order.order == core::SafetyOrderKind::kResume) {
-    if (order.utime < last_order_) {
-      onRejected();
-      return;
-    }
-    if (order.utime == obeyed_order_ && order.utime > 0) {
-      return;
-    }
+  const bool resume = order.order == core::SafetyOrderKind::kResume;
+  if (resume && order.utime < last_order_) {
+    onRejected();
+    latch_.remark("a resume older than the last order was refused");
+    return "a resume that is older than the last order";
   }
-  last_order_ = std::max(last_order_, order.utime);
+  if (resume && order.utime > 0 && order.utime == obeyed_order_) {
+    return nullptr;
+  }
+  if (order.utime < kNoSuchTime) {
+    last_order_ = std::max(last_order_, order.utime);
+  }
   obeyed_order_ = order.utime;
+  resumed_ = resumed_ || (resume && started());
   latch_.order(order.order);
+  return nullptr;
 }
 
 void PlannerCore::applyGoals(core::Utime now) {
   const auto ready = [&](const core::Goal& goal) { return goal.utime < now; };
   for (const core::Goal& goal : pending_goals_) {
-    if (!ready(goal) || (goal_ && goal.utime < goal_->utime)) {
-      continue;
+    if (ready(goal) && (!goal_ || goal.utime >= goal_->utime)) {
+      applyGoal(goal);
     }
-    if (!goal_ && goal.utime < first_frame_) {
-      latch_.fault(Latch::kHold, "restarted during a flight; needs a resume");
-    }
-    if (!goal_ || goal_->goal_id != goal.goal_id || goal_->phase != goal.phase) {
-      landing_done_ = false;
-      policy_->reset();
-    }
-    goal_ = goal;
   }
   std::erase_if(pending_goals_, ready);
+}
+
+void PlannerCore::applyGoal(const core::Goal& goal) {
+  const Track& own = tracks_.at(own_index_);
+  const bool is_new = !goal_ || goal_->goal_id != goal.goal_id || goal_->phase != goal.phase;
+  if (is_new && goal.phase == core::GoalPhase::kTakeOff && own.seen()) {
+    const double away_m = (goal.position_world_m - own.state().position_world_m).head<2>().norm();
+    if (away_m > kTakeOffReach_m) {
+      onRejected();
+      refused_take_off_ = fmt::format("a take-off goal {:.1f} m away was refused", away_m);
+      return;
+    }
+  }
+  refused_take_off_.clear();
+  if (!goal_ && goal.utime < first_frame_ && !resumed_) {
+    latch_.fault(Latch::kHold, "restarted during a flight; needs a resume");
+  }
+  if (is_new) {
+    landing_done_ = false;
+    policy_->reset();
+  }
+  goal_ = goal;
 }
 
 bool PlannerCore::inTheAir() const {
@@ -127,9 +178,17 @@ bool PlannerCore::inTheAir() const {
              experiment_.safety.airborne_height_m;
 }
 
-bool PlannerCore::landedNow() const {
+bool PlannerCore::atRestOnFloor() const {
   const Track& own = tracks_.at(own_index_);
   return own.seen() && !inTheAir() && own.state().velocity_world_mps.norm() < kAtRest_mps;
+}
+
+void PlannerCore::noteMotors(Mode mode) {
+  if (inTheAir() || mode == Mode::kTakingOff) {
+    motors_on_ = config::flies(vehicle());
+  } else if (mode == Mode::kOnFloor || mode == Mode::kLanded || mode == Mode::kKilled) {
+    motors_on_ = false;
+  }
 }
 
 void PlannerCore::latchFaults(core::Utime now) {
@@ -138,14 +197,15 @@ void PlannerCore::latchFaults(core::Utime now) {
   if (!own.seen()) {
     return;
   }
-  if (now == first_frame_ && inTheAir()) {
+  if (!placed_ && inTheAir()) {
     latch_.fault(Latch::kHold, "restarted in the air; needs a resume");
   }
+  placed_ = true;
   // The next tick is one period away: land now if the limit would pass before it.
   const double period_s = core::toSeconds(timer_.periodUs());
-  if (inTheAir() && own.ageS(now) + period_s > safety.own_track_land_s) {
-    latch_.fault(Latch::kLand,
-                 fmt::format("not tracked for {:.0f} ms", 1e3 * own.sinceAcceptedS(now)));
+  const double unseen_s = own.sinceAcceptedS(now);
+  if (motors_on_ && unseen_s + period_s > safety.own_track_land_s) {
+    latch_.fault(Latch::kLand, fmt::format("not tracked for {:.0f} ms", 1e3 * unseen_s));
   }
   if (inTheAir() && room_.mustLand(own.state().position_world_m)) {
     latch_.fault(Latch::kLand,
@@ -154,16 +214,20 @@ void PlannerCore::latchFaults(core::Utime now) {
 }
 
 std::string PlannerCore::lostNeighbour(core::Utime now) const {
+  const config::Safety& safety = experiment_.safety;
   const Eigen::Vector2d own = tracks_.at(own_index_).positionAt(now);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const Track& other = tracks_.at(i);
-    if (i == own_index_ || !other.seen() ||
-        other.ageS(now) <= experiment_.safety.other_track_lost_s) {
+    if (i == own_index_) {
       continue;
     }
+    if (!other.seen()) {
+      return experiment_.vehicles[i].name + " was never tracked";
+    }
     const double distance_m = (other.state().position_world_m.head<2>() - own).norm();
-    if (distance_m <= experiment_.safety.other_track_hold_radius_m) {
-      return experiment_.vehicles[i].name;
+    if (other.ageS(now) > safety.other_track_lost_s &&
+        distance_m <= safety.other_track_hold_radius_m) {
+      return experiment_.vehicles[i].name + " is near and not tracked";
     }
   }
   return {};
@@ -176,47 +240,54 @@ PlannerCore::Verdict PlannerCore::decideMode(core::Utime now) {
     case Latch::kKill:
       return {Mode::kKilled, latch_.reason()};
     case Latch::kLand:
-      landing_done_ = landing_done_ || landedNow();
-      return {landing_done_ ? Mode::kLanded : Mode::kLanding, latch_.reason()};
+      return land(latch_.reason());
     case Latch::kHold:
       return {Mode::kHolding, latch_.reason()};
     case Latch::kNone:
       break;
   }
+  // Landing is the safest there is, also for a vehicle that cannot be seen.
+  if (goal_ && goal_->phase == core::GoalPhase::kLand) {
+    return land("");
+  }
   if (!own.seen()) {
     return {Mode::kWaiting, "own vehicle was never tracked"};
   }
-  if (own.ageS(now) >= experiment_.safety.own_track_hold_s) {
-    return {Mode::kHolding, own.lost() ? "own track is lost" : "own vehicle is not tracked"};
+  if (own.lost()) {
+    return {Mode::kHolding, "own track is lost"};
   }
-  if (const std::string lost = lostNeighbour(now); !lost.empty() && inTheAir()) {
-    return {Mode::kHolding, lost + " is near and not tracked"};
+  if (own.ageS(now) >= experiment_.safety.own_track_hold_s) {
+    return {Mode::kHolding, "own vehicle is not tracked"};
+  }
+  if (const std::string lost = lostNeighbour(now); !lost.empty()) {
+    return {motors_on_ ? Mode::kHolding : Mode::kOnFloor, lost};
   }
   return obeyGoal();
 }
 
+PlannerCore::Verdict PlannerCore::land(const std::string& reason) {
+  landing_done_ = !inTheAir() && (landing_done_ || atRestOnFloor());
+  return {landing_done_ ? Mode::kLanded : Mode::kLanding, reason};
+}
+
 PlannerCore::Verdict PlannerCore::obeyGoal() {
   if (!goal_) {
-    return inTheAir() ? Verdict{Mode::kHolding, "in the air without a goal"}
-                      : Verdict{Mode::kOnFloor, "no goal yet"};
+    return inTheAir()                  ? Verdict{Mode::kHolding, "in the air without a goal"}
+           : refused_take_off_.empty() ? Verdict{Mode::kOnFloor, "no goal yet"}
+                                       : Verdict{Mode::kOnFloor, refused_take_off_};
   }
   const double height_m = tracks_.at(own_index_).state().position_world_m.z();
-  switch (goal_->phase) {
-    case core::GoalPhase::kTakeOff: {
-      const bool reached = !config::flies(vehicle()) ||
-                           std::abs(height_m - goal_->position_world_m.z()) < kHeightReached_m;
-      return {reached ? Mode::kAtGoal : Mode::kTakingOff, ""};
-    }
-    case core::GoalPhase::kGo:
-      if (config::flies(vehicle()) && !inTheAir()) {
-        return {Mode::kOnFloor, "on the floor: a take-off must come before go"};
-      }
-      return {Mode::kFlying, ""};
-    case core::GoalPhase::kLand:
-      break;
+  if (goal_->phase == core::GoalPhase::kTakeOff) {
+    const bool reached = !config::flies(vehicle()) ||
+                         std::abs(height_m - goal_->position_world_m.z()) < kHeightReached_m;
+    return {reached ? Mode::kAtGoal : Mode::kTakingOff, ""};
   }
-  landing_done_ = landing_done_ || landedNow();
-  return {landing_done_ ? Mode::kLanded : Mode::kLanding, ""};
+  if (config::flies(vehicle()) && !inTheAir()) {
+    return {Mode::kOnFloor, refused_take_off_.empty()
+                                ? "on the floor: a take-off must come before go"
+                                : refused_take_off_};
+  }
+  return {Mode::kFlying, refused_take_off_};
 }
 
 core::EgoAgent PlannerCore::egoAgent(core::Utime now) const {
@@ -239,8 +310,11 @@ void PlannerCore::collectOthers(core::Utime now) {
       continue;
     }
     const config::Vehicle& other = experiment_.vehicles[i];
+    // Who is lost for good grows no more: those who are near hold.
+    const double unseen_s =
+        std::min(track.sinceAcceptedS(now), experiment_.safety.other_track_lost_s);
     others_.push_back({track.positionAt(now), track.state().velocity_world_mps.head<2>(),
-                       other.assumed_radius_m + other.top_speed_mps * track.sinceAcceptedS(now),
+                       other.assumed_radius_m + other.top_speed_mps * unseen_s,
                        static_cast<int>(i)});
   }
 }
@@ -268,7 +342,6 @@ void PlannerCore::fillPositionCommand(const Eigen::Vector3d& target, core::Comma
 }
 
 void PlannerCore::fly(core::Utime now, core::Command& command, Status& status) {
-  const Track& own = tracks_.at(own_index_);
   const core::EgoAgent ego = egoAgent(now);
   if (holdsPosition(ego, experiment_.planner)) {
     status.mode = Mode::kAtGoal;
@@ -278,8 +351,8 @@ void PlannerCore::fly(core::Utime now, core::Command& command, Status& status) {
   collectOthers(now);
   status.decision = policy_->decide(ego, others_);
   const PlanarCommand planar = commandFrom(status.decision, ego, experiment_.planner);
-  const Eigen::Vector2d velocity = room_.clipVelocity(
-      own.state().position_world_m, own.state().velocity_world_mps, planar.velocity_world_mps);
+  const Eigen::Vector2d velocity =
+      room_.clipVelocity(ego.position_world_m, ego.velocity_world_mps, planar.velocity_world_mps);
   if ((velocity - planar.velocity_world_mps).norm() > 1e-9) {
     status.reason = "slowed down at the edge of the room";
   }
@@ -369,22 +442,25 @@ PlannerCore::Tick PlannerCore::report(core::Utime now, core::Utime state_utime,
 
 PlannerCore::Tick PlannerCore::tick(core::Utime now) {
   applyGoals(now);
-  return report(now, now, decideMode(now));
+  const Verdict verdict = decideMode(now);
+  noteMotors(verdict.mode);
+  return report(now, now, verdict);
 }
 
 PlannerCore::Tick PlannerCore::onSilence(double silence_s) {
   const core::Utime now = gate_.last() + core::toUtime(silence_s);
-  if (inTheAir() && silence_s >= experiment_.safety.states_land_s) {
-    latch_.fault(Latch::kLand, fmt::format("no vehicle states for {:.0f} ms",
-                                           1e3 * experiment_.safety.states_land_s));
+  if (motors_on_ && silence_s >= experiment_.safety.states_land_s) {
+    latch_.fault(Latch::kLand, noStatesReason(experiment_.safety));
   }
+  const bool lands = latch_.state() == Latch::kLand || (latch_.state() == Latch::kNone && goal_ &&
+                                                        goal_->phase == core::GoalPhase::kLand);
   Verdict verdict{Mode::kHolding, "no vehicle states"};
-  if (latch_.state() == Latch::kKill) {
+  if (killed()) {
     verdict = {Mode::kKilled, latch_.reason()};
-  } else if (latch_.state() == Latch::kLand) {
-    verdict = {Mode::kLanding, latch_.reason()};
-  } else if (!inTheAir()) {
+  } else if (!motors_on_) {
     verdict = {Mode::kOnFloor, "no vehicle states"};
+  } else if (lands) {
+    verdict = {Mode::kLanding, latch_.reason()};
   }
   return report(now, gate_.last(), verdict);
 }

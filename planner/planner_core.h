@@ -54,11 +54,13 @@ class PlannerCore {
   std::optional<Tick> onFrame(const core::StatesFrame& frame);
 
   /// Takes effect at the first tick after its utime. One from before this planner's first frame
-  /// means that the planner was restarted during a flight: it holds until RESUME.
-  void onGoal(const core::Goal& goal);
+  /// means that the planner was restarted during a flight: it holds until RESUME. A goal a little
+  /// outside the room is moved to its edge. Returns why it was refused; nullptr: it was not.
+  const char* onGoal(const core::Goal& goal);
 
-  /// Takes effect at the next tick (or silence).
-  void onOrder(const core::SafetyOrder& order);
+  /// Takes effect at the next tick (or silence); KILL also at once, by killNow(). Returns why it
+  /// was refused; nullptr: it was not, or it is for somebody else.
+  const char* onOrder(const core::SafetyOrder& order);
   /// utime of the order obeyed last; 0: none.
   core::Utime obeyedOrder() const { return obeyed_order_; }
 
@@ -67,6 +69,11 @@ class PlannerCore {
 
   /// Live only: no frame has come for `silence_s` of wall clock, at least safety.states_hold_s.
   Tick onSilence(double silence_s);
+
+  /// An operator has ordered KILL and not resumed.
+  bool killed() const { return latch_.state() == Latch::kKill; }
+  /// What a killed planner says at any time, before the first frame too.
+  Tick killNow() { return report(gate_.last(), gate_.last(), {Mode::kKilled, latch_.reason()}); }
 
   /// Before the first frame: what the status says.
   Status waitingStatus() const;
@@ -84,13 +91,17 @@ class PlannerCore {
   };
 
   Tick tick(core::Utime now);
+  void beginAnew();
   void applyGoals(core::Utime now);
+  void applyGoal(const core::Goal& goal);
   void latchFaults(core::Utime now);
   Verdict decideMode(core::Utime now);
   Verdict obeyGoal();
+  Verdict land(const std::string& reason);
   std::string lostNeighbour(core::Utime now) const;
   bool inTheAir() const;
-  bool landedNow() const;
+  bool atRestOnFloor() const;
+  void noteMotors(Mode mode);
   core::EgoAgent egoAgent(core::Utime now) const;
   void collectOthers(core::Utime now);
   double closestSeparation(core::Utime now) const;
@@ -108,11 +119,15 @@ class PlannerCore {
   RoomGuard room_;
   OrderLatch latch_;
   core::Utime first_frame_ = 0;
+  bool placed_ = false;           // the own vehicle was seen
+  bool motors_on_ = false;        // as far as anybody can tell from here
+  bool resumed_ = false;          // by an operator, since the first frame
   core::Utime last_order_ = 0;    // the newest
   core::Utime obeyed_order_ = 0;  // the last to arrive
   std::vector<core::Goal> pending_goals_;
   std::optional<core::Goal> goal_;
   std::vector<core::OtherAgent> others_;
+  std::string refused_take_off_;  // why
   bool landing_done_ = false;
   int rejected_messages_ = 0;
 };

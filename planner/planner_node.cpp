@@ -1,7 +1,5 @@
 #include "planner/planner_node.h"
 
-#include <array>
-
 #include <spdlog/spdlog.h>
 
 #include "common/bus/messages.h"
@@ -14,9 +12,10 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr std::array<const char*, 9> kModeNames{"waiting", "on floor", "taking off",
-                                                "flying",  "at goal",  "holding",
-                                                "landing", "landed",   "killed"};
+// How often onWallClock() is called, at least.
+constexpr Seconds kCallPeriod(0.01);
+// In lockstep everybody may be slow; after this much silence there is nobody any more.
+constexpr Seconds kNotice(1.0);
 
 roundabout_msgs::planner_status_t toMessage(const Status& status, const PlannerCore& core,
                                             double compute_time_s) {
@@ -77,9 +76,9 @@ void PlannerNode::subscribe() {
       [this](const roundabout_msgs::goal_t& message) {
         core::Goal goal;
         if (const char* reason = bus::fromMessage(message, goal)) {
-          reject("GOAL", reason);
-        } else {
-          core_.onGoal(goal);
+          reject(bus::goalChannel(core_.vehicle().name), reason);
+        } else if (const char* refusal = core_.onGoal(goal)) {
+          logRejection(bus::goalChannel(core_.vehicle().name), refusal);
         }
       },
       on_error);
@@ -89,8 +88,10 @@ void PlannerNode::subscribe() {
         core::SafetyOrder order;
         if (const char* reason = bus::fromMessage(message, order)) {
           reject(bus::kSafetyOrderChannel, reason);
-        } else {
-          core_.onOrder(order);
+        } else if (const char* refusal = core_.onOrder(order)) {
+          logRejection(bus::kSafetyOrderChannel, refusal);
+        } else if (core_.killed()) {
+          publish(core_.killNow(), 0.0);
         }
       },
       on_error);
@@ -98,12 +99,15 @@ void PlannerNode::subscribe() {
 
 void PlannerNode::reject(std::string_view channel, const char* reason) {
   core_.onRejected();
-  // One line for the first: a broken sender sends hundreds a second, and the status carries the
+  logRejection(channel, reason);
+}
+
+void PlannerNode::logRejection(std::string_view channel, const char* reason) {
+  // One line for each kind: a broken sender sends hundreds a second, and the status carries the
   // count.
-  if (!rejection_logged_) {
+  if (rejections_logged_.emplace(channel, reason).second) {
     spdlog::warn("a message on {} was rejected: {}; further ones are only counted", channel,
                  reason);
-    rejection_logged_ = true;
   }
 }
 
@@ -114,35 +118,52 @@ void PlannerNode::onStates(const roundabout_msgs::vehicle_states_t& message) {
   }
   const core::Utime before = core_.lastFrame();
   const auto tick = core_.onFrame(frame_);
-  if (core_.lastFrame() > before) {
-    last_frame_ = begin;
-    landing_announced_ = false;
+  if (core_.lastFrame() == before) {
+    logRejection(bus::kStatesChannel, "its time stamp is old, or corrupt");
+    return;
   }
+  last_frame_ = begin;
   if (tick) {
     publish(*tick, Seconds(std::chrono::steady_clock::now() - begin).count());
   }
 }
 
 void PlannerNode::onWallClock(WallTime now) {
-  const Seconds since_sent = now - last_sent_;
-  const bool due = since_sent.count() >= 1.0 / settings_.rate_hz;
-  if (!core_.started()) {
+  const bool due = Seconds(now - last_sent_).count() >= 1.0 / settings_.rate_hz;
+  if (core_.killed()) {
+    if (due && Seconds(now - last_frame_) > kNotice) {
+      publish(core_.killNow(), 0.0);
+      last_sent_ = now;
+    }
+  } else if (!core_.started()) {
     if (due) {
       publishStatus(core_.waitingStatus(), 0.0);
       last_sent_ = now;
     }
-    return;
+  } else if (live_) {
+    breakSilence(now, due);
+  } else if (due && Seconds(now - last_frame_) > kNotice) {
+    // So that nobody begins another flight beside a planner that is still there.
+    bus::publish(bus_, bus::plannerStatusChannel(core_.vehicle().name), last_status_);
+    last_sent_ = now;
   }
+}
+
+void PlannerNode::breakSilence(WallTime now, bool due) {
   const double silence_s = Seconds(now - last_frame_).count();
-  if (!live_ || silence_s < safety_.states_hold_s) {
+  const double sent_s = Seconds(last_sent_ - last_frame_).count();
+  // A limit that passes before the next call has passed now.
+  const auto passed = [](double time_s, double limit_s) {
+    return time_s + kCallPeriod.count() >= limit_s;
+  };
+  if (!passed(silence_s, safety_.states_hold_s)) {
     return;
   }
+  const bool lands = passed(silence_s, safety_.states_land_s);
+  const double limit_s = lands ? safety_.states_land_s : safety_.states_hold_s;
   // At once when a limit is passed, then at the planning rate.
-  const bool just_silent = Seconds(last_sent_ - last_frame_).count() < safety_.states_hold_s;
-  const bool just_landing = silence_s >= safety_.states_land_s && !landing_announced_;
-  if (due || just_silent || just_landing) {
-    landing_announced_ = silence_s >= safety_.states_land_s;
-    publish(core_.onSilence(silence_s), 0.0);
+  if (due || !passed(sent_s, limit_s)) {
+    publish(core_.onSilence(std::max(silence_s, limit_s)), 0.0);
     last_sent_ = now;
   }
 }
@@ -156,8 +177,8 @@ void PlannerNode::publish(const PlannerCore::Tick& tick, double compute_time_s) 
 
 void PlannerNode::publishStatus(const Status& status, double compute_time_s) {
   logModeChange(status);
-  bus::publish(bus_, bus::plannerStatusChannel(core_.vehicle().name),
-               toMessage(status, core_, compute_time_s));
+  last_status_ = toMessage(status, core_, compute_time_s);
+  bus::publish(bus_, bus::plannerStatusChannel(core_.vehicle().name), last_status_);
 }
 
 void PlannerNode::logModeChange(const Status& status) {
@@ -167,8 +188,8 @@ void PlannerNode::logModeChange(const Status& status) {
   const auto level = status.mode == Mode::kHolding || status.mode == Mode::kKilled
                          ? spdlog::level::warn
                          : spdlog::level::info;
-  spdlog::log(level, "{}{}{}", kModeNames[static_cast<std::size_t>(status.mode)],
-              status.reason.empty() ? "" : ": ", status.reason);
+  spdlog::log(level, "{}{}{}", nameOf(status.mode), status.reason.empty() ? "" : ": ",
+              status.reason);
   logged_mode_ = status.mode;
   logged_reason_ = status.reason;
 }

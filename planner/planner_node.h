@@ -2,11 +2,14 @@
 
 #include <chrono>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "common/bus/bus.h"
 #include "common/config/experiment.h"
 #include "planner/planner_core.h"
+#include "roundabout_msgs/planner_status_t.hpp"
 #include "roundabout_msgs/vehicle_states_t.hpp"
 
 namespace roundabout::planner {
@@ -28,8 +31,9 @@ class PlannerNode {
   PlannerNode(const PlannerNode&) = delete;
   PlannerNode& operator=(const PlannerNode&) = delete;
 
-  /// Call at least every 20 ms. Announces itself before the first state; a live planner commands
-  /// hold, then land, when states stop coming (safety.states_hold_s, safety.states_land_s).
+  /// Call at least every 10 ms. Announces itself before the first state; a live planner commands
+  /// hold, then land, when states stop coming (safety.states_hold_s, safety.states_land_s). In
+  /// lockstep it says its last status again and again, so that the next flight knows of it.
   void onWallClock(WallTime now);
 
  private:
@@ -37,7 +41,9 @@ class PlannerNode {
   void onStates(const roundabout_msgs::vehicle_states_t& message);
   void publish(const PlannerCore::Tick& tick, double compute_time_s);
   void publishStatus(const Status& status, double compute_time_s);
+  void breakSilence(WallTime now, bool due);
   void reject(std::string_view channel, const char* reason);
+  void logRejection(std::string_view channel, const char* reason);
   void logModeChange(const Status& status);
 
   PlannerCore core_;
@@ -48,8 +54,8 @@ class PlannerNode {
   core::StatesFrame frame_;
   WallTime last_frame_;
   WallTime last_sent_;
-  bool landing_announced_ = false;
-  bool rejection_logged_ = false;
+  roundabout_msgs::planner_status_t last_status_{};
+  std::set<std::pair<std::string, std::string>> rejections_logged_;  // channel and reason
   Mode logged_mode_ = Mode::kWaiting;
   std::string logged_reason_;
 };

@@ -11,7 +11,7 @@ namespace roundabout::planner {
 
 /// What a policy chose.
 struct Decision {
-  double speed_mps = 0.0;           ///< >= 0, at most the ego's preferred speed
+  double speed_mps = 0.0;           ///< >= 0, at most the ego's preferred speed; NaN: no decision
   double heading_change_rad = 0.0;  ///< added to the ego's heading; counter-clockwise
   int action = -1;                  ///< index into the policy's action table; -1: it has none
   double value = std::numeric_limits<double>::quiet_NaN();  ///< of the critic; NaN: it has none

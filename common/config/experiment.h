@@ -145,6 +145,8 @@ struct Safety {
   double jump_margin_m = 0.15;      ///< measured jump beyond top speed x dt + this is rejected
   int max_rejects_in_a_row = 10;    ///< then the track is lost
   double room_land_margin_m = 0.5;  ///< farther than this outside the room: land
+  double reaction_s =
+      0.42;  ///< from a planning tick to the first deceleration, at most; for braking at the edges
   double airborne_height_m = 0.15;  ///< a flying vehicle above this is in the air
   double goal_margin_m =
       0.1;  ///< goals closer than the sum of the assumed radii + this are refused

@@ -73,6 +73,7 @@ void describe(Visitor& visit, Safety& safety) {
   visit("jump_margin_m", safety.jump_margin_m, atLeast(0.0));
   visit("max_rejects_in_a_row", safety.max_rejects_in_a_row, atLeast(1.0));
   visit("room_land_margin_m", safety.room_land_margin_m, atLeast(0.0));
+  visit("reaction_s", safety.reaction_s, atLeast(0.0));
   visit("airborne_height_m", safety.airborne_height_m, above(0.0));
   visit("goal_margin_m", safety.goal_margin_m, atLeast(0.0));
 }

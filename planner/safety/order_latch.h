@@ -43,6 +43,13 @@ class OrderLatch {
     }
   }
 
+  /// Adds something that the operator should know to the reason, once.
+  void remark(const std::string& text) {
+    if (state_ != Latch::kNone && reason_.find(text) == std::string::npos) {
+      reason_ += "; " + text;
+    }
+  }
+
   Latch state() const { return state_; }
   const std::string& reason() const { return reason_; }
 

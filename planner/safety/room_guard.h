@@ -15,17 +15,18 @@ class RoomGuard {
 
   /// Horizontal velocity (m/s, world) that is as close to `wanted` as braking before the edges
   /// allows.
-  Eigen::Vector2d clipVelocity(const Eigen::Vector3d& position_world_m,
-                               const Eigen::Vector3d& velocity_world_mps,
+  Eigen::Vector2d clipVelocity(const Eigen::Vector2d& position_world_m,
+                               const Eigen::Vector2d& velocity_world_mps,
                                const Eigen::Vector2d& wanted_world_mps) const;
 
   /// The nearest position that keeps the body inside.
   Eigen::Vector3d clipPosition(const Eigen::Vector3d& position_world_m) const;
 
-  /// The vehicle's centre may be here, the body's edge touching the wall.
+  /// The vehicle's centre may be here, its body touching the wall.
   bool inside(const Eigen::Vector2d& position_world_m) const;
 
-  /// Farther outside than the margin, in any direction but down: land.
+  /// Farther outside than the margin, in any direction but down: a vehicle lands, a goal is
+  /// refused.
   bool mustLand(const Eigen::Vector3d& position_world_m) const;
 
  private:

@@ -1,12 +1,21 @@
 #include "planner/safety/tracks.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace roundabout::planner {
 
+namespace {
+
+// Times the top speed: differentiated positions are noisy, but not that noisy.
+constexpr double kFastestMeasured = 2.0;
+
+}  // namespace
+
 Track::Track(double top_speed_mps, const config::Safety& safety)
     : top_speed_mps_(top_speed_mps),
       jump_margin_m_(safety.jump_margin_m),
+      longest_extrapolation_s_(safety.other_track_lost_s),
       max_rejects_(safety.max_rejects_in_a_row) {}
 
 double Track::allowedJumpM(core::Utime from, core::Utime to) const {
@@ -14,6 +23,10 @@ double Track::allowedJumpM(core::Utime from, core::Utime to) const {
 }
 
 bool Track::update(const core::VehicleState& measured, core::Utime utime) {
+  if (measured.velocity_world_mps.norm() > kFastestMeasured * top_speed_mps_) {
+    reject();
+    return false;
+  }
   const auto within_reach = [&](const core::VehicleState& earlier, core::Utime earlier_utime) {
     return (measured.position_world_m - earlier.position_world_m).norm() <=
            allowedJumpM(earlier_utime, utime);
@@ -48,7 +61,8 @@ double Track::ageS(core::Utime now) const {
 
 Eigen::Vector2d Track::positionAt(core::Utime now) const {
   return state_.position_world_m.head<2>() +
-         state_.velocity_world_mps.head<2>() * sinceAcceptedS(now);
+         state_.velocity_world_mps.head<2>() *
+             std::min(sinceAcceptedS(now), longest_extrapolation_s_);
 }
 
 TrackTable::TrackTable(const config::Experiment& experiment)

@@ -17,8 +17,9 @@ class Track {
   Track(double top_speed_mps, const config::Safety& safety);
 
   /// A measurement of a frame at `utime` that is marked tracked. False if it was rejected: it jumps
-  /// farther than the top speed allows. After safety.max_rejects_in_a_row of those the track is
-  /// lost; as many that agree with each other start it anew.
+  /// farther than the top speed allows, or its velocity is more than twice that. After
+  /// safety.max_rejects_in_a_row of those the track is lost; as many that agree with each other
+  /// start it anew.
   bool update(const core::VehicleState& measured, core::Utime utime);
 
   /// Counts a measurement that the caller found impossible for other reasons.
@@ -32,7 +33,7 @@ class Track {
   double sinceAcceptedS(core::Utime now) const { return core::toSeconds(now - last_accepted_); }
   /// The last accepted measurement.
   const core::VehicleState& state() const { return state_; }
-  /// Extrapolated with constant velocity. m, world.
+  /// Extrapolated with constant velocity, for safety.other_track_lost_s at most. m, world.
   Eigen::Vector2d positionAt(core::Utime now) const;
   int rejected() const { return rejected_; }
 
@@ -41,6 +42,7 @@ class Track {
 
   double top_speed_mps_;
   double jump_margin_m_;
+  double longest_extrapolation_s_;
   int max_rejects_;
   core::VehicleState state_;
   core::Utime last_accepted_ = 0;

@@ -165,6 +165,97 @@ TEST(PlannerCore, AnUntrackedNeighbourGrowsWithItsTopSpeed) {
   EXPECT_NEAR(flight.script->others[0].position_world_m.x(), 3.0 - 0.5 * age_s, 1e-9);
 }
 
+TEST(PlannerCore, AnUntrackedNeighbourGrowsForASecondAndNoMore) {
+  FakeFlight flight;
+  flight.flyTo({0.0, 4.0, 1.0});
+  flight.vehicles[1].tracked = false;  // 3 m away
+  flight.run(60.0);
+  EXPECT_NEAR(flight.script->others[0].radius_m, 0.5 + 2.0 * 1.0, 1e-9);
+}
+
+TEST(PlannerCore, DoesNotFlyWhileANeighbourWasNeverSeen) {
+  FakeFlight flight;
+  flight.vehicles[1].tracked = false;
+  flight.run(0.1);
+  flight.goal(GoalPhase::kTakeOff, {0.0, 0.0, 1.0});
+  const auto tick = flight.run(0.3);
+  EXPECT_EQ(tick.status.mode, Mode::kOnFloor);
+  EXPECT_EQ(tick.command.mode, CommandMode::kHold);
+  EXPECT_EQ(tick.status.reason, "hex2 was never tracked");
+}
+
+TEST(PlannerCore, DoesNotTakeOffBesideALostNeighbour) {
+  FakeFlight flight;
+  flight.vehicles[1].position_world_m.x() = 1.9;
+  flight.run(0.1);
+  flight.vehicles[1].tracked = false;
+  flight.run(1.1);
+  flight.goal(GoalPhase::kTakeOff, {0.0, 0.0, 1.0});
+  EXPECT_EQ(flight.run(0.3).command.mode, CommandMode::kHold);
+}
+
+TEST(PlannerCore, LandsAlsoBesideALostNeighbour) {
+  FakeFlight flight;
+  flight.vehicles[1].position_world_m.x() = 1.9;
+  flight.flyTo({0.0, 4.0, 1.0});
+  flight.vehicles[1].tracked = false;
+  EXPECT_EQ(flight.run(1.2).command.mode, CommandMode::kHold);
+  flight.goal(GoalPhase::kLand, {0.0, 0.0, 0.0}, 3);
+  EXPECT_EQ(flight.run(0.2).command.mode, CommandMode::kLand);
+}
+
+TEST(PlannerCore, GoesOnLandingWhenItsVehicleIsNoLongerSeen) {
+  for (const double height_m : {1.0, 0.1}) {
+    FakeFlight flight;
+    flight.flyTo({0.2, 0.0, 1.0});
+    flight.goal(GoalPhase::kLand, {0.0, 0.0, 0.0}, 3);
+    for (double z = 1.0; z > height_m; z -= 0.02) {
+      flight.own().position_world_m.z() = z;
+      flight.own().velocity_world_mps.z() = -0.4;
+      flight.run(0.05);
+    }
+    flight.own().tracked = false;
+    for (int tick = 0; tick < 20; ++tick) {
+      EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kLand);
+    }
+    EXPECT_EQ(flight.core.onSilence(0.2).command.mode, CommandMode::kLand);
+  }
+}
+
+TEST(PlannerCore, ATakeOffThatGoesBlindNearTheFloorLands) {
+  FakeFlight flight;
+  flight.run(0.1);
+  flight.goal(GoalPhase::kTakeOff, {0.0, 0.0, 1.0});
+  flight.run(0.2);
+  flight.own().position_world_m.z() = 0.1;
+  flight.run(0.1);
+  flight.own().tracked = false;
+  EXPECT_EQ(flight.run(0.3).command.mode, CommandMode::kHold);
+  EXPECT_EQ(flight.run(0.3).command.mode, CommandMode::kLand);
+}
+
+TEST(PlannerCore, IsNotLandedInTheAirBecauseItWasOnce) {
+  FakeFlight flight;
+  flight.order(SafetyOrderKind::kLand);
+  EXPECT_EQ(flight.run(0.2).status.mode, Mode::kLanded);
+  flight.order(SafetyOrderKind::kResume);
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.order(SafetyOrderKind::kLand);
+  EXPECT_EQ(flight.run(0.1).status.mode, Mode::kLanding);
+}
+
+TEST(PlannerCore, ALostTrackHoldsFirst) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.own().position_world_m.x() += 1.0;
+  flight.run(0.05);
+  flight.own().tracked = false;
+  auto tick = flight.run(0.1);
+  EXPECT_EQ(tick.command.mode, CommandMode::kHold);
+  EXPECT_EQ(tick.status.reason, "own track is lost");
+  EXPECT_EQ(flight.run(0.4).command.mode, CommandMode::kLand);
+}
+
 TEST(PlannerCore, HoldsNearANeighbourThatIsLostForASecond) {
   FakeFlight flight;
   flight.vehicles[1].position_world_m.x() = 1.9;
@@ -229,6 +320,26 @@ TEST(PlannerCore, ARepeatedResumeLiftsNothingThatWasLatchedSince) {
   EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kLand);
 }
 
+TEST(PlannerCore, SaysWhyAResumeIsRefused) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.order(SafetyOrderKind::kHold);
+  flight.core.onOrder({.utime = 5, .vehicle = "", .order = SafetyOrderKind::kResume});
+  EXPECT_EQ(flight.run(0.1).status.reason,
+            "ordered to hold; a resume older than the last order was refused");
+}
+
+TEST(PlannerCore, AnOrderWithACorruptStampDoesNotForbidResuming) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.core.onOrder({.utime = std::numeric_limits<core::Utime>::max(),
+                       .vehicle = "",
+                       .order = SafetyOrderKind::kHold});
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kHold);
+  flight.order(SafetyOrderKind::kResume);
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kVelocity);
+}
+
 TEST(PlannerCore, KillIsObeyedInEveryState) {
   for (const auto earlier :
        {SafetyOrderKind::kHold, SafetyOrderKind::kLand, SafetyOrderKind::kResume}) {
@@ -252,6 +363,53 @@ TEST(PlannerCore, ARestartInTheAirNeedsAResume) {
   flight.order(SafetyOrderKind::kResume);
   tick = flight.run(0.1);
   EXPECT_EQ(tick.command.mode, CommandMode::kVelocity);
+}
+
+TEST(PlannerCore, ARestartInTheAirIsNoticedWhenItsVehicleIsSeen) {
+  FakeFlight flight;
+  flight.own().position_world_m.z() = 1.0;
+  flight.own().tracked = false;
+  flight.run(0.3);
+  flight.own().tracked = true;
+  flight.run(0.1);
+  flight.goal(GoalPhase::kGo, {4.0, 0.0, 1.0});
+  const auto tick = flight.run(0.3);
+  EXPECT_EQ(tick.command.mode, CommandMode::kHold);
+  EXPECT_NE(tick.status.reason.find("resume"), std::string::npos);
+}
+
+TEST(PlannerCore, AResumeThatComesBeforeTheRepeatedGoalCounts) {
+  FakeFlight flight;
+  const core::Utime before = flight.now - 500'000;
+  flight.own().position_world_m.z() = 1.0;
+  flight.run(0.1);
+  flight.order(SafetyOrderKind::kResume);
+  flight.run(0.1);
+  core::Goal repeated{.utime = before, .vehicle = "hex1", .goal_id = 1};
+  repeated.position_world_m = {4.0, 0.0, 1.0};
+  repeated.phase = GoalPhase::kGo;
+  flight.core.onGoal(repeated);
+  EXPECT_EQ(flight.run(0.2).command.mode, CommandMode::kVelocity);
+}
+
+TEST(PlannerCore, TheTimeGoingBackInTheAirNeedsAResume) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.now = 500'000;
+  flight.run(0.05);
+  auto tick = flight.run(0.1);
+  EXPECT_EQ(tick.command.mode, CommandMode::kHold);
+  EXPECT_FALSE(tick.status.goal.has_value());
+}
+
+TEST(PlannerCore, ASimulatorStartedAnewIsFlownWith) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.own().position_world_m.z() = 0.0;
+  flight.now = 500'000;
+  flight.run(0.1);
+  flight.flyTo({4.0, 0.0, 1.0});
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kVelocity);
 }
 
 TEST(PlannerCore, ARestartOnTheFloorDuringAFlightNeedsAResume) {
@@ -307,6 +465,43 @@ TEST(PlannerCore, OldGoalsAndGoalsOutsideTheRoomAreRefused) {
   EXPECT_EQ(tick.command.mode, CommandMode::kVelocity);
 }
 
+TEST(PlannerCore, GoalsWithImpossibleStampsAreRefused) {
+  FakeFlight flight;
+  flight.run(0.1);
+  for (const core::Utime utime :
+       {std::numeric_limits<core::Utime>::min(), std::numeric_limits<core::Utime>::max()}) {
+    EXPECT_STREQ(flight.core.onGoal({.utime = utime, .vehicle = "hex1", .goal_id = 9}),
+                 "its time stamp is corrupt");
+  }
+}
+
+TEST(PlannerCore, AGoalALittleOutsideTheRoomIsMovedToItsEdge) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.goal(GoalPhase::kGo, {5.2, 0.0, 1.0}, 3);
+  const auto tick = flight.run(0.2);
+  ASSERT_EQ(tick.status.goal->goal_id, 3);
+  EXPECT_NEAR(tick.status.goal->position_world_m.x(), 5.0 - 0.35, 1e-9);
+}
+
+TEST(PlannerCore, AGoalOnTheFloorIsNoGoalToFlyTo) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.goal(GoalPhase::kGo, {3.0, 0.0, 0.0}, 3);
+  EXPECT_EQ(flight.run(0.2).status.goal->goal_id, 2);
+}
+
+TEST(PlannerCore, ATakeOffToSomewhereElseIsRefused) {
+  FakeFlight flight;
+  flight.run(0.1);
+  flight.goal(GoalPhase::kTakeOff, {2.0, 0.0, 1.0});
+  auto tick = flight.run(0.2);
+  EXPECT_EQ(tick.status.mode, Mode::kOnFloor);
+  EXPECT_EQ(tick.status.reason, "a take-off goal 2.0 m away was refused");
+  flight.goal(GoalPhase::kTakeOff, {0.3, 0.0, 1.0}, 2);
+  EXPECT_EQ(flight.run(0.2).status.mode, Mode::kTakingOff);
+}
+
 TEST(PlannerCore, SlowsDownBeforeTheEdgeOfTheRoom) {
   FakeFlight flight;
   flight.flyTo({4.6, 0.0, 1.0});
@@ -344,6 +539,20 @@ TEST(PlannerCore, SilenceHoldsThenLandsForGood) {
   EXPECT_EQ(flight.core.onSilence(0.5).command.mode, CommandMode::kLand);
   flight.now += 600'000;
   EXPECT_EQ(flight.run(0.2).command.mode, CommandMode::kLand);
+}
+
+TEST(PlannerCore, AGapInTheStatesThatOnlyALogShowsLandsToo) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.now += 600'000;
+  EXPECT_EQ(flight.run(0.2).command.mode, CommandMode::kLand);
+}
+
+TEST(PlannerCore, AShortGapInTheStatesIsFlownThrough) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.now += 400'000;
+  EXPECT_EQ(flight.run(0.2).command.mode, CommandMode::kVelocity);
 }
 
 TEST(PlannerCore, ANewGoalResetsThePolicysMemory) {

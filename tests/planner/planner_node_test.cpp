@@ -116,9 +116,9 @@ TEST_F(PlannerNodeTest, FollowsAGoal) {
 TEST_F(PlannerNodeTest, CommandsHoldWhenStatesStopComing) {
   sendFrames(20);
   commands_.clear();
-  wait(milliseconds(140));
+  wait(milliseconds(135));
   EXPECT_TRUE(commands_.empty());
-  wait(milliseconds(151));
+  wait(milliseconds(145));  // the next call may come 10 ms later, and that would be too late
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_EQ(commands_[0].mode, int{roundabout_msgs::command_t::HOLD});
   EXPECT_EQ(commands_[0].state_utime, now_);
@@ -134,7 +134,7 @@ TEST_F(PlannerNodeTest, LandsWhenStatesStayAway) {
   }
   deliver();
   wait(milliseconds(460));
-  wait(milliseconds(501));
+  wait(milliseconds(495));
   ASSERT_GE(commands_.size(), 2u);
   EXPECT_EQ(commands_.back().mode, int{roundabout_msgs::command_t::LAND});
 }
@@ -149,6 +149,42 @@ TEST_F(LockstepPlannerNodeTest, SilenceMeansNothing) {
   commands_.clear();
   wait(milliseconds(5000));
   EXPECT_TRUE(commands_.empty());
+}
+
+TEST_F(LockstepPlannerNodeTest, IsHeardOfByWhoeverBeginsTheNextFlight) {
+  sendFrames(20);
+  commands_.clear();
+  statuses_.clear();
+  wait(milliseconds(900));
+  EXPECT_TRUE(statuses_.empty());
+  wait(milliseconds(1100));
+  wait(milliseconds(1300));
+  EXPECT_EQ(statuses_.size(), 2u);
+  EXPECT_TRUE(commands_.empty());
+}
+
+TEST_F(PlannerNodeTest, KillIsSentAtOnceAlsoBeforeTheFirstState) {
+  core::SafetyOrder kill;
+  kill.utime = 5;
+  kill.order = core::SafetyOrderKind::kKill;
+  bus::publish(lab_, "SAFETY_ORDER", bus::toMessage(kill));
+  deliver();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].mode, int{roundabout_msgs::command_t::KILL});
+  EXPECT_EQ(statuses_.back().mode, int{roundabout_msgs::planner_status_t::KILLED});
+  wait(milliseconds(200));
+  EXPECT_EQ(commands_.size(), 2u) << "and again, in case it was not heard";
+}
+
+TEST_F(LockstepPlannerNodeTest, KillIsSentAtOnceAlsoWhenFramesHaveStopped) {
+  sendFrames(20);
+  commands_.clear();
+  core::SafetyOrder kill;
+  kill.order = core::SafetyOrderKind::kKill;
+  bus::publish(lab_, "SAFETY_ORDER", bus::toMessage(kill));
+  deliver();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].mode, int{roundabout_msgs::command_t::KILL});
 }
 
 TEST_F(PlannerNodeTest, GarbageOnEveryChannelIsCountedAndSurvived) {

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <deque>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +66,22 @@ TEST_F(TrackTest, StartsAnewWhereMeasurementsAgree) {
   EXPECT_DOUBLE_EQ(track_.state().position_world_m.x(), 5.0);
 }
 
+TEST_F(TrackTest, RejectsAVelocityThatNoVehicleHas) {
+  see(0.0);
+  core::VehicleState fast = bodyAt(0.0);
+  fast.velocity_world_mps.x() = 1e9;
+  EXPECT_FALSE(track_.update(fast, now_ += 5'000));
+  EXPECT_TRUE(see(0.0));
+}
+
+TEST_F(TrackTest, IsNotExtrapolatedForEver) {
+  core::VehicleState moving = bodyAt(0.0);
+  moving.velocity_world_mps.x() = 1.0;
+  track_.update(moving, now_);
+  EXPECT_NEAR(track_.positionAt(now_ + 500'000).x(), 0.5, 1e-9);
+  EXPECT_NEAR(track_.positionAt(now_ + 60'000'000).x(), 1.0, 1e-9);
+}
+
 TEST_F(TrackTest, DoesNotStartAnewWhereTheyDoNot) {
   see(0.0);
   for (int i = 0; i < 200; ++i) {
@@ -111,31 +128,55 @@ TEST(TrackTable, AnExchangeThatEndsIsForgiven) {
   EXPECT_DOUBLE_EQ(tracks.at(1).ageS(frame.utime), 0.0);
 }
 
-TEST(RoomGuard, AVehicleThatObeysNeverLeavesTheRoom) {
+// Obeys commands that are as late as the guard was told, and then with all its acceleration.
+class LateVehicle {
+ public:
+  static constexpr double kStep_s = 0.01;
+
+  LateVehicle(const Eigen::Vector2d& position, double max_acceleration_mps2, int late_steps)
+      : position_(position),
+        max_change_mps_(max_acceleration_mps2 * kStep_s),
+        commands_(static_cast<std::size_t>(late_steps), Eigen::Vector2d::Zero()) {}
+
+  void step(const Eigen::Vector2d& command) {
+    commands_.push_back(command);
+    const Eigen::Vector2d missing = commands_.front() - velocity_;
+    commands_.pop_front();
+    velocity_ += missing.normalized() * std::min(missing.norm(), max_change_mps_);
+    position_ += velocity_ * kStep_s;
+  }
+
+  const Eigen::Vector2d& position() const { return position_; }
+  const Eigen::Vector2d& velocity() const { return velocity_; }
+
+ private:
+  Eigen::Vector2d position_;
+  Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
+  double max_change_mps_;
+  std::deque<Eigen::Vector2d> commands_;
+};
+
+TEST(RoomGuard, AVehicleThatObeysLateNeverLeavesTheRoom) {
   config::Room room;
   room.min_m = {-3.0, -2.0, 0.0};
   room.max_m = {3.0, 2.0, 3.0};
-  config::Vehicle vehicle;
-  const double reaction_s = 0.42;
-  const RoomGuard guard(room, vehicle, 0.5, reaction_s);
+  const config::Vehicle vehicle;
+  const RoomGuard guard(room, vehicle, 0.5, 0.42);
   core::RandomStream random(3, "room");
-  for (int flight = 0; flight < 200; ++flight) {
-    Eigen::Vector3d position(random.uniform(-2, 2), random.uniform(-1, 1), 1.0);
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  for (int flight = 0; flight < 2000; ++flight) {
+    // Ten steps pass until the next command: the rest of 0.42 s is how late commands are.
+    LateVehicle late({random.uniform(-2, 2), random.uniform(-1, 1)}, vehicle.max_acceleration_mps2,
+                     32);
     Eigen::Vector2d wanted;
     for (int tick = 0; tick < 100; ++tick) {
       if (tick % 10 == 0) {
-        wanted = {random.uniform(-2, 2), random.uniform(-2, 2)};
+        wanted = {random.uniform(-1, 1), random.uniform(-1, 1)};
       }
-      const Eigen::Vector2d clipped = guard.clipVelocity(position, velocity, wanted);
-      // A vehicle that ignores the command for a tick, then reaches it with its acceleration.
+      const Eigen::Vector2d clipped = guard.clipVelocity(late.position(), late.velocity(), wanted);
       for (int step = 0; step < 10; ++step) {
-        const Eigen::Vector2d missing = clipped - velocity.head<2>();
-        velocity.head<2>() +=
-            missing.normalized() * std::min(missing.norm(), vehicle.max_acceleration_mps2 * 0.01);
-        position += velocity * 0.01;
+        late.step(clipped);
+        ASSERT_TRUE(guard.inside(late.position())) << late.position().transpose();
       }
-      ASSERT_TRUE(guard.inside(position.head<2>())) << position.transpose();
     }
   }
 }
@@ -143,13 +184,20 @@ TEST(RoomGuard, AVehicleThatObeysNeverLeavesTheRoom) {
 TEST(RoomGuard, LeavesVelocitiesInTheMiddleAlone) {
   const RoomGuard guard(config::Room(), config::Vehicle(), 0.5, 0.4);
   const Eigen::Vector2d wanted(1.2, -0.7);
-  EXPECT_EQ(guard.clipVelocity({0, 0, 1}, {1, 0, 0}, wanted), wanted);
+  EXPECT_EQ(guard.clipVelocity({0, 0}, {1, 0}, wanted), wanted);
+}
+
+TEST(RoomGuard, AtTheWallAPolicyThatStopsForSomebodyIsObeyed) {
+  const RoomGuard guard(config::Room(), config::Vehicle(), 0.5, 0.4);
+  // The wall is at x = 10; somebody is ahead in y.
+  const Eigen::Vector2d clipped = guard.clipVelocity({9.55, 0.0}, {0.4, 0.25}, {0.0, 0.0});
+  EXPECT_EQ(clipped, Eigen::Vector2d::Zero());
 }
 
 TEST(RoomGuard, LetsAVehicleOutsideComeBack) {
   const RoomGuard guard(config::Room(), config::Vehicle(), 0.5, 0.4);
-  EXPECT_EQ(guard.clipVelocity({10.2, 0, 1}, {0, 0, 0}, {-0.5, 0.0}), Eigen::Vector2d(-0.5, 0.0));
-  EXPECT_EQ(guard.clipVelocity({10.2, 0, 1}, {0, 0, 0}, {0.5, 0.0}), Eigen::Vector2d(0.0, 0.0));
+  EXPECT_EQ(guard.clipVelocity({10.2, 0}, {0, 0}, {-0.5, 0.0}), Eigen::Vector2d(-0.5, 0.0));
+  EXPECT_EQ(guard.clipVelocity({10.2, 0}, {0, 0}, {0.5, 0.0}), Eigen::Vector2d(0.0, 0.0));
   EXPECT_FALSE(guard.mustLand({10.2, 0, 1}));
   EXPECT_TRUE(guard.mustLand({10.6, 0, 1}));
   EXPECT_TRUE(guard.mustLand({0, 0, 4.6}));
@@ -195,6 +243,18 @@ TEST(OrderLatch, AFaultNeverLowersTheState) {
       EXPECT_EQ(latch.state(), std::max(from, fault));
     }
   }
+}
+
+TEST(OrderLatch, ARemarkIsSaidOnceAndEndsWithTheLatch) {
+  OrderLatch latch;
+  latch.remark("nobody is held");
+  EXPECT_EQ(latch.reason(), "");
+  latch.order(core::SafetyOrderKind::kHold);
+  latch.remark("by the way");
+  latch.remark("by the way");
+  EXPECT_EQ(latch.reason(), "ordered to hold; by the way");
+  latch.order(core::SafetyOrderKind::kResume);
+  EXPECT_EQ(latch.reason(), "");
 }
 
 class CommandLawTest : public ::testing::Test {

@@ -1,5 +1,7 @@
 #include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "planner/policies/ga3c_cadrl/weights.h"
@@ -14,7 +16,10 @@ Decision Ga3cCadrl::decide(const core::EgoAgent& ego, const core::Surroundings& 
   const Ga3cCadrlNetwork::Output output = network_.evaluate(observation);
   const DiscreteAction& action = kActions[static_cast<std::size_t>(output.best_action)];
   Decision decision;
-  decision.speed_mps = action.speed_fraction * ego.preferred_speed_mps;
+  // Inputs beyond all reason overflow; the caller must not fly what comes out.
+  const bool sound = std::isfinite(output.probabilities[0]);
+  decision.speed_mps = sound ? action.speed_fraction * ego.preferred_speed_mps
+                             : std::numeric_limits<double>::quiet_NaN();
   decision.heading_change_rad = action.heading_change_rad;
   decision.action = output.best_action;
   decision.value = output.value;

@@ -39,7 +39,7 @@ inline Experiment oneOfEverything() {
   e.planner.watch_wall_clock = false;
   e.planner.orca = {4.0, 1.2, 0.5, 0.05, 7, 0.1};
 
-  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.25, 0.2};
+  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.5, 0.25, 0.2};
 
   e.fleet.rate_hz = 4.0;
   e.fleet.assignment = "in_order";
