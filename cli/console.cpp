@@ -1,8 +1,9 @@
 #include "cli/console.h"
 
+#include <csignal>
 #include <cstdio>
 
-#include <spdlog/fmt/fmt.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "cli/wall_clock.h"
@@ -14,20 +15,33 @@ namespace {
 constexpr double kTerminalPeriod_s = 0.1;
 constexpr double kFilePeriod_s = 5.0;
 
+void write(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
 }  // namespace
+
+void standWithoutTerminal() {
+  std::signal(SIGPIPE, SIG_IGN);
+  int lowest_free = open("/dev/null", O_RDWR);
+  while (lowest_free >= 0 && lowest_free <= STDERR_FILENO) {
+    lowest_free = open("/dev/null", O_RDWR);
+  }
+  close(lowest_free);
+}
 
 Console::Console() : terminal_(isatty(STDOUT_FILENO) == 1), last_progress_s_(wallSeconds()) {}
 
 Console::~Console() {
   if (live_line_) {
-    fmt::print("\n");
+    write("\n");
   }
 }
 
 void Console::say(const std::string& line) {
   clear();
-  fmt::print("{}\n", line);
-  std::fflush(stdout);
+  write(line + "\n");
 }
 
 void Console::progress(const std::string& line) {
@@ -40,8 +54,7 @@ void Console::progress(const std::string& line) {
     return;
   }
   clear();
-  fmt::print("{}", line);
-  std::fflush(stdout);
+  write(line);
   live_line_ = true;
 }
 
@@ -51,7 +64,7 @@ bool Console::progressDue() const {
 
 void Console::clear() {
   if (live_line_) {
-    fmt::print("\r\033[K");
+    write("\r\033[K");
     live_line_ = false;
   }
 }

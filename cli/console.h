@@ -4,8 +4,13 @@
 
 namespace roundabout::cli {
 
+/// For a program that must outlive its terminal: writing to a pipe that nobody reads any more is no
+/// reason to end, and standard streams that are closed become /dev/null, lest another file take
+/// their place.
+void standWithoutTerminal();
+
 /// Lines for the user, above one line that shows progress: rewritten in place on a terminal, else a
-/// new line every few seconds.
+/// new line every few seconds. What cannot be written is lost.
 class Console {
  public:
   Console();

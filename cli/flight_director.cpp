@@ -1,6 +1,5 @@
 #include "cli/flight_director.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace roundabout::cli {
@@ -19,6 +18,7 @@ void FlightDirector::onEnd(Role role, const std::string& vehicle, bool clean, do
       if (!clean) {
         sim_death_s_ = now_s;
         reason_ = "the simulator died";
+        early_ = true;
       }
       break;
     case Role::kFleet:
@@ -49,6 +49,12 @@ void FlightDirector::onPlannerHeard(const std::string& vehicle, bool on_floor, d
 
 void FlightDirector::onStop() { land("stopped by the user"); }
 
+void FlightDirector::onMissionOver() {
+  land("the mission is over and does not end with land", false);
+}
+
+void FlightDirector::onFailure(const std::string& what) { land("roundabout fly failed: " + what); }
+
 Direction FlightDirector::decide(double now_s) {
   if (sim_finished_ || (landing_ && !flying_)) {
     return Direction::kEnd;
@@ -66,19 +72,31 @@ Direction FlightDirector::decide(double now_s) {
     landing_since_s_ = now_s;
     return Direction::kLand;
   }
-  const bool over = allOnFloor() || now_s - *landing_since_s_ >= limits_.landing_s;
-  return over ? Direction::kEnd : Direction::kLand;
+  std::vector<std::string> in_the_air = inTheAir();
+  if (in_the_air.empty()) {
+    return Direction::kEnd;
+  }
+  if (now_s - *landing_since_s_ < limits_.landing_s) {
+    return Direction::kLand;
+  }
+  not_landed_ = std::move(in_the_air);
+  return Direction::kEnd;
 }
 
-bool FlightDirector::allOnFloor() const {
-  return std::all_of(vehicles_.begin(), vehicles_.end(), [](const auto& entry) {
-    return entry.second.on_floor || entry.second.planner_death_s;
-  });
+std::vector<std::string> FlightDirector::inTheAir() const {
+  std::vector<std::string> names;
+  for (const auto& [name, vehicle] : vehicles_) {
+    if (!vehicle.on_floor && !vehicle.planner_death_s) {
+      names.push_back(name);
+    }
+  }
+  return names;
 }
 
-void FlightDirector::land(const std::string& reason) {
+void FlightDirector::land(const std::string& reason, bool early) {
   if (!landing_) {
     landing_ = true;
+    early_ = early;
     reason_ = reason;
   }
 }

@@ -36,6 +36,8 @@ enum class Direction {
 /// | fleet dies                | vehicles hold at their goals; land unless a new fleet takes over|
 /// | the logger dies           | land: a flight without a log is no experiment                   |
 /// | the user stops            | land                                                            |
+/// | the mission ended in air  | land                                                            |
+/// | `fly` itself fails        | land                                                            |
 /// | all landed, or time is up | end                                                             |
 class FlightDirector {
  public:
@@ -49,10 +51,16 @@ class FlightDirector {
   void onFleetHeard(double now_s);
   void onPlannerHeard(const std::string& vehicle, bool on_floor, double now_s);
   void onStop();
+  void onMissionOver();
+  void onFailure(const std::string& what);
 
   Direction decide(double now_s);
-  /// Why it is landing or ended early; empty while all is well.
+  /// Why it is landing or has ended; empty while all is well.
   const std::string& reason() const { return reason_; }
+  /// It is landing or has ended before the mission was over.
+  bool early() const { return early_; }
+  /// Who was not on the floor when the time to land was up.
+  const std::vector<std::string>& notLanded() const { return not_landed_; }
 
  private:
   struct VehicleView {
@@ -60,18 +68,20 @@ class FlightDirector {
     bool on_floor = false;
   };
 
-  bool allOnFloor() const;
-  void land(const std::string& reason);
+  std::vector<std::string> inTheAir() const;
+  void land(const std::string& reason, bool early = true);
 
   std::map<std::string, VehicleView> vehicles_;
   DirectorLimits limits_;
   bool flying_ = false;
   bool sim_finished_ = false;
   bool landing_ = false;
+  bool early_ = false;
   std::optional<double> sim_death_s_;
   std::optional<double> fleet_death_s_;
   std::optional<double> landing_since_s_;
   std::string reason_;
+  std::vector<std::string> not_landed_;
 };
 
 }  // namespace roundabout::cli

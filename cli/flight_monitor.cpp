@@ -46,6 +46,7 @@ FlightMonitor::FlightMonitor(bus::Bus& bus, const config::Experiment& experiment
         events_.fleet_heard();
       },
       ignore);
+  bus.subscribe(bus::kMissionChannel, [this](const bus::Received&) { steered_by_message_ = true; });
   for (const config::Vehicle& vehicle : experiment.vehicles) {
     body_radius_m_[vehicle.name] = vehicle.body_radius_m;
     bus::subscribe<planner_status_t>(
@@ -57,7 +58,10 @@ FlightMonitor::FlightMonitor(bus::Bus& bus, const config::Experiment& experiment
   }
 }
 
-bool FlightMonitor::missionDone() const { return progress_.fleet.phase == fleet_status_t::DONE; }
+bool FlightMonitor::missionOver() const {
+  return progress_.fleet.phase == fleet_status_t::IDLE && progress_.fleet.num_steps > 0 &&
+         !steered_by_message_;
+}
 
 void FlightMonitor::onFrame(const core::StatesFrame& frame) {
   if (progress_.first_utime == 0) {

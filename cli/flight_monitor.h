@@ -36,8 +36,9 @@ class FlightMonitor {
   FlightMonitor(bus::Bus& bus, const config::Experiment& experiment, Events events);
 
   const Progress& progress() const { return progress_; }
-  /// The fleet has said that the whole mission was flown.
-  bool missionDone() const;
+  /// The file's mission was flown to its end and leaves the vehicles in the air, and nobody has
+  /// given the fleet another step.
+  bool missionOver() const;
 
  private:
   void onFrame(const core::StatesFrame& frame);
@@ -46,6 +47,7 @@ class FlightMonitor {
   Events events_;
   Progress progress_;
   core::StatesFrame frame_;
+  bool steered_by_message_ = false;
 };
 
 /// "GO D (step 3 of 7), 4 of 6 at goal, closest 0.82 m, 34.2 s, 12.3x real time".

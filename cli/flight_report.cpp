@@ -1,6 +1,7 @@
 #include "cli/flight_report.h"
 
 #include <algorithm>
+#include <exception>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -15,11 +16,32 @@ namespace {
 
 constexpr double kShortestFlight_s = 1e-3;
 
-void writeFiles(const FlightPlan& plan, const logs::Flight& flight, const logs::Metrics& metrics) {
-  logs::writeMetricsJson(metrics, (plan.folder / "metrics.json").string());
-  const logs::Figures figures = logs::drawFlight(flight, metrics, plan.folder.string());
-  logs::writeReport((plan.folder / "report.html").string(), flight, metrics, figures,
-                    plan.command_line);
+bool writeFiles(const FlightPlan& plan, const logs::Flight& flight, const logs::Metrics& metrics,
+                Console& console) {
+  try {
+    logs::writeMetricsJson(metrics, (plan.folder / "metrics.json").string());
+    const logs::Figures figures = logs::drawFlight(flight, metrics, plan.folder.string());
+    logs::writeReport((plan.folder / "report.html").string(), flight, metrics, figures,
+                      plan.command_line);
+    return true;
+  } catch (const std::exception& error) {
+    console.say(fmt::format("no pictures and report: {}", error.what()));
+    return false;
+  }
+}
+
+void sayHowItWent(const logs::Flight& flight, const logs::Metrics& metrics,
+                  const FlightResult& result, Console& console) {
+  console.say("");
+  console.say(logs::toText(flight, metrics));
+  for (const std::string& event : result.events) {
+    console.say(event);
+  }
+  console.say(
+      fmt::format("flight {:.1f} s of wall clock for {:.1f} s of data ({:.1f} x real time); "
+                  "set-up before it {:.1f} s",
+                  result.wall_s, result.data_s,
+                  result.data_s / std::max(result.wall_s, kShortestFlight_s), result.set_up_s));
 }
 
 }  // namespace
@@ -32,22 +54,11 @@ bool reportFlight(const FlightPlan& plan, const FlightResult& result, bool with_
   }
   const logs::Flight flight = logs::readFlight(plan.logFile().string());
   const logs::Metrics metrics = logs::computeMetrics(flight);
-  if (with_files) {
-    writeFiles(plan, flight, metrics);
-  }
-  console.say("");
-  console.say(logs::toText(flight, metrics));
-  for (const std::string& event : result.events) {
-    console.say(event);
-  }
-  console.say(
-      fmt::format("flight {:.1f} s of wall clock for {:.1f} s of data ({:.1f} x real time); "
-                  "set-up before it {:.1f} s",
-                  result.wall_s, result.data_s,
-                  result.data_s / std::max(result.wall_s, kShortestFlight_s), result.set_up_s));
-  console.say(fmt::format("{} in {}", with_files ? "log, metrics, report and pictures" : "log",
+  sayHowItWent(flight, metrics, result, console);
+  const bool all_files = with_files && writeFiles(plan, flight, metrics, console);
+  console.say(fmt::format("{} in {}", all_files ? "log, metrics, report and pictures" : "log",
                           plan.folder.string()));
-  return result.mission_done && metrics.success;
+  return metrics.success && result.log_complete;
 }
 
 }  // namespace roundabout::cli

@@ -1,6 +1,5 @@
 #include "cli/fly_command.h"
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,19 +11,17 @@
 #include "cli/console.h"
 #include "cli/flight_folder.h"
 #include "cli/flight_report.h"
+#include "cli/nobody_flies.h"
 #include "cli/supervisor.h"
 #include "common/app/stop_signal.h"
 #include "common/bus/lcm_bus.h"
-#include "common/bus/messages.h"
 #include "common/config/experiment_file.h"
-#include "common/core/error.h"
 
 namespace roundabout::cli {
 
 namespace {
 
 constexpr int kInterrupted = 130;
-constexpr std::chrono::milliseconds kListen(150);
 
 struct FlyOptions {
   std::string file;
@@ -37,23 +34,13 @@ struct FlyOptions {
   bool no_report = false;
 };
 
-// Files named on the command line are relative to the working directory; in an experiment file,
-// to the file.
-std::string withAbsoluteWeights(const std::string& policy) {
-  const std::size_t colon = policy.find(':');
-  if (colon == std::string::npos) {
-    return policy;
-  }
-  return policy.substr(0, colon + 1) + std::filesystem::absolute(policy.substr(colon + 1)).string();
-}
-
 std::vector<std::string> allOverrides(const FlyOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   if (options.real_time) {
     overrides.emplace_back("sim.pacing=real_time");
   }
   if (!options.policy.empty()) {
-    overrides.push_back("planner.policy=" + withAbsoluteWeights(options.policy));
+    overrides.push_back("planner.policy=" + options.policy);
   }
   if (options.seed) {
     overrides.push_back(fmt::format("seed={}", *options.seed));
@@ -74,39 +61,33 @@ std::string commandLine(const FlyOptions& options, const config::Experiment& exp
   return line;
 }
 
-// Two flights on one URL would fly each other's vehicles.
-void requireNobodyFlies(const std::string& lcm_url) {
-  bus::LcmBus bus(lcm_url);
-  bool somebody_flies = false;
-  bus.subscribe(bus::kStatesChannel, [&](const bus::Received&) { somebody_flies = true; });
-  const auto end = std::chrono::steady_clock::now() + kListen;
-  while (!somebody_flies && std::chrono::steady_clock::now() < end) {
-    bus.handle(std::chrono::milliseconds(20));
-  }
-  if (somebody_flies) {
-    throw core::StartupError(lcm_url, bus::kStatesChannel,
-                             "nobody publishing (a flight of its own on this URL)",
-                             "states of another flight");
-  }
-}
-
-int fly(const FlyOptions& options) {
-  app::StopSignal stop;
+FlightPlan planOf(const FlyOptions& options) {
   FlightPlan plan;
   plan.experiment = config::readExperiment(options.file, allOverrides(options));
   plan.lcm_url =
       bus::resolveUrl(options.lcm_url.empty() ? plan.experiment.lcm_url : options.lcm_url);
   plan.command_line = commandLine(options, plan.experiment);
   plan.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  requireNobodyFlies(plan.lcm_url);
-  bus::LcmBus bus(plan.lcm_url);
-  plan.folder = makeFlightFolder(plan.experiment, options.folder);
+  return plan;
+}
 
-  Console console;
+FlightResult superviseFlight(FlightPlan& plan, const std::string& folder, Console& console) {
+  app::StopSignal stop;
+  requireNobodyFlies(plan.experiment, plan.lcm_url);
+  bus::LcmBus bus(plan.lcm_url);
+  plan.folder = makeFlightFolder(plan.experiment, folder);
   console.say(fmt::format("{}: {} vehicles, {}, {}, seed {}", plan.experiment.name,
                           plan.experiment.vehicles.size(), plan.experiment.planner.policy,
                           plan.experiment.sim.pacing, plan.experiment.seed));
-  const FlightResult result = Supervisor(plan, bus, stop, console).run();
+  return Supervisor(plan, bus, stop, console).run();
+}
+
+int fly(const FlyOptions& options) {
+  standWithoutTerminal();
+  FlightPlan plan = planOf(options);
+  Console console;
+  const FlightResult result = superviseFlight(plan, options.folder, console);
+  // Nothing flies any more: from here on Ctrl-C ends the program, as it does any other.
   const bool good = reportFlight(plan, result, !options.no_report, console);
   if (result.interrupted) {
     return kInterrupted;

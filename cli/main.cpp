@@ -26,10 +26,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::RuntimeError& error) {
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "roundabout: {} (try --help)\n", error.what());
+    std::fputs(fmt::format("roundabout: {} (try --help)\n", error.what()).c_str(), stderr);
     return kCannotStart;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "roundabout: {}\n", error.what());
+    std::fputs(fmt::format("roundabout: {}\n", error.what()).c_str(), stderr);
     return kCannotStart;
   }
   return exit_status;

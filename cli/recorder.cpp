@@ -52,9 +52,17 @@ Recorder::Recorder(bus::Bus& bus, const std::string& lcm_url, std::filesystem::p
   }
 }
 
-void Recorder::close() {
-  waitUntilRecorded("end", kCloseLimit_s);
-  process_.stop(SIGINT, kLoggerExitLimit);
+std::string Recorder::close() {
+  const bool recorded = waitUntilRecorded("end", kCloseLimit_s);
+  const auto ended_before = process_.exited();
+  const ExitStatus status = process_.stop(SIGINT, kLoggerExitLimit);
+  if (ended_before) {
+    return "lcm-logger ended before the flight did: " + ended_before->describe();
+  }
+  if (!recorded) {
+    return fmt::format("lcm-logger was more than {:.0f} s behind", kCloseLimit_s);
+  }
+  return status.signal == SIGKILL ? "lcm-logger did not end and had to be killed" : "";
 }
 
 bool Recorder::waitUntilRecorded(const std::string& marker, double limit_s) {

@@ -19,7 +19,8 @@ class Recorder {
 
   ChildProcess& process() { return process_; }
   /// Waits until everything that was published before has been written, then ends the logger.
-  void close();
+  /// Returns why the log may lack its end; empty if it is complete.
+  std::string close();
 
  private:
   bool waitUntilRecorded(const std::string& marker, double limit_s);

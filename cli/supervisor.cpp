@@ -1,10 +1,12 @@
 #include "cli/supervisor.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include "cli/wall_clock.h"
 #include "common/bus/messages.h"
@@ -22,6 +24,7 @@ constexpr milliseconds kExitLimit(2000);
 constexpr double kLandingRepeat_s = 1.0;
 constexpr double kLockstepLanding_s = 10.0;
 constexpr std::size_t kLinesShown = 5;
+constexpr int kRefusedToStart = 2;
 
 std::vector<std::string> namesOf(const config::Experiment& experiment) {
   std::vector<std::string> names;
@@ -88,35 +91,59 @@ Supervisor::Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Co
 FlightResult Supervisor::run() {
   Direction direction = Direction::kGoOn;
   while (direction != Direction::kEnd && stop_.count() < 2) {
-    bus_.handle(kStep);
-    reap();
-    if (stop_.requested()) {
-      director_.onStop();
-    }
-    direction = director_.decide(wallSeconds());
-    if (direction == Direction::kLand) {
-      orderLanding();
-    }
-    if (flying() && console_.progressDue()) {
-      console_.progress(describe(monitor_->progress(), wallSeconds() - *first_state_s_));
-    }
+    listen();
+    direction = direct();
   }
-  bus_.handle(milliseconds(0));
+  listen();
   const double ended_s = wallSeconds();
+  if (!director_.notLanded().empty()) {
+    report(fmt::format("{:.2f} s: the time to land is up and not on the floor: {}",
+                       monitor_->progress().elapsed_s(), fmt::join(director_.notLanded(), ", ")));
+  }
   stopProcesses();
 
   FlightResult result;
+  result.log_complete = closeLog();
   result.states_seen = flying();
-  result.mission_done = monitor_->missionDone();
   result.interrupted = stop_.requested();
   result.set_up_s = first_state_s_.value_or(ended_s) - created_s_;
   result.wall_s = ended_s - first_state_s_.value_or(ended_s);
   result.data_s = monitor_->progress().elapsed_s();
   result.events = events_;
-  if (!director_.reason().empty()) {
+  if (director_.early()) {
     result.events.push_back("ended early: " + director_.reason());
   }
   return result;
+}
+
+// Whatever is thrown while something flies, it lands first.
+void Supervisor::listen() {
+  try {
+    bus_.handle(kStep);
+    reap();
+    if (flying() && console_.progressDue()) {
+      console_.progress(describe(monitor_->progress(), wallSeconds() - *first_state_s_));
+    }
+  } catch (const std::exception& error) {
+    if (!flying()) {
+      throw;
+    }
+    director_.onFailure(error.what());
+  }
+}
+
+Direction Supervisor::direct() {
+  if (stop_.requested()) {
+    director_.onStop();
+  }
+  if (monitor_->missionOver()) {
+    director_.onMissionOver();
+  }
+  const Direction direction = director_.decide(wallSeconds());
+  if (direction == Direction::kLand) {
+    orderLanding();
+  }
+  return direction;
 }
 
 void Supervisor::start(Role role, const std::string& program, const std::string& vehicle) {
@@ -139,8 +166,8 @@ void Supervisor::reap() {
       continue;
     }
     child.end_reported = true;
-    reportEnd(child, *status);
     director_.onEnd(child.role, child.vehicle, status->clean(), wallSeconds());
+    reportEnd(child, *status);
   }
 }
 
@@ -148,19 +175,27 @@ void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
   if (child.role == Role::kSim && status.clean()) {
     return;
   }
-  const std::vector<std::string> lines = child.process->lastLines(kLinesShown);
+  std::vector<std::string> lines = child.process->lastLines(kLinesShown);
+  std::transform(lines.begin(), lines.end(), lines.begin(),
+                 [this](const std::string& line) { return inTheUsersWords(line); });
+  if (!flying() && status.code == kRefusedToStart && !lines.empty()) {
+    throw ChildFailure(lines.back());
+  }
   const std::string what = fmt::format("{}: {}", child.process->name(), status.describe());
   if (!flying()) {
-    throw ChildFailure(lines.empty() ? what + " before the flight began"
-                                     : inTheUsersWords(lines.back()));
+    lines.insert(lines.begin(), what + " before the flight began");
+    throw ChildFailure(fmt::format("{}", fmt::join(lines, "\n    ")));
   }
-  const std::string event = fmt::format("{:.2f} s: {}; {}", monitor_->progress().elapsed_s(), what,
-                                        consequence(child.role));
-  events_.push_back(event);
-  console_.say(event);
+  report(fmt::format("{:.2f} s: {}; {}", monitor_->progress().elapsed_s(), what,
+                     consequence(child.role)));
   for (const std::string& line : lines) {
     console_.say("    " + line);
   }
+}
+
+void Supervisor::report(const std::string& event) {
+  events_.push_back(event);
+  console_.say(event);
 }
 
 // Processes read the resolved experiment; the user knows the file that it came from.
@@ -195,7 +230,14 @@ void Supervisor::stopProcesses() {
   for (const auto& process : processes_) {
     process->stop(SIGTERM, kExitLimit);
   }
-  recorder_->close();
+}
+
+bool Supervisor::closeLog() {
+  const std::string what_is_wrong = recorder_->close();
+  if (!what_is_wrong.empty()) {
+    report("the log is not complete: " + what_is_wrong);
+  }
+  return what_is_wrong.empty();
 }
 
 }  // namespace roundabout::cli

@@ -31,7 +31,8 @@ struct FlightPlan {
   std::filesystem::path experimentFile() const { return folder / "experiment.yaml"; }
 };
 
-/// A process ended before the flight began. what() is its own last line.
+/// A process ended before the flight began. what() is its own last line if it refused to start
+/// (exit status 2), else how it ended and what it wrote last.
 class ChildFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -39,8 +40,8 @@ class ChildFailure : public std::runtime_error {
 
 struct FlightResult {
   bool states_seen = false;
-  bool mission_done = false;
   bool interrupted = false;         ///< by the user
+  bool log_complete = true;         ///< to its last message
   double set_up_s = 0.0;            ///< wall clock, until the first state
   double wall_s = 0.0;              ///< wall clock, from the first state to the end
   double data_s = 0.0;              ///< data time flown
@@ -54,8 +55,9 @@ class Supervisor {
   /// process cannot be started.
   Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Console& console);
 
-  /// Until the flight is over and every process has ended. Throws ChildFailure if one ends before
-  /// the first state.
+  /// Until the flight is over and every process has ended. Before the first state, throws
+  /// ChildFailure if a process ends, or what a handler threw; after it, everybody lands first and
+  /// the events say why.
   FlightResult run();
 
  private:
@@ -68,11 +70,15 @@ class Supervisor {
 
   bool flying() const { return first_state_s_.has_value(); }
   void start(Role role, const std::string& program, const std::string& vehicle);
+  void listen();
+  Direction direct();
   void reap();
+  void report(const std::string& event);
   std::string inTheUsersWords(std::string line) const;
   void reportEnd(const Child& child, const ExitStatus& status);
   void orderLanding();
   void stopProcesses();
+  bool closeLog();
 
   FlightPlan plan_;
   bus::Bus& bus_;

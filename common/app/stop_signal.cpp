@@ -1,5 +1,6 @@
 #include "common/app/stop_signal.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -13,11 +14,19 @@ namespace roundabout::app {
 
 namespace {
 
+bool isIgnored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 sigset_t stopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  if (!isIgnored(SIGHUP)) {
+    sigaddset(&signals, SIGHUP);
+  }
   return signals;
 }
 
@@ -27,7 +36,7 @@ StopSignal::StopSignal() {
   const sigset_t signals = stopSignals();
   descriptor_ = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
   if (descriptor_ < 0) {
-    throw core::StartupError("process", "SIGINT and SIGTERM", "a descriptor", std::strerror(errno));
+    throw core::StartupError("process", "signals", "a descriptor", std::strerror(errno));
   }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
@@ -50,7 +59,7 @@ int StopSignal::count() {
 void StopSignal::drain() {
   signalfd_siginfo info{};
   while (read(descriptor_, &info, sizeof(info)) == static_cast<ssize_t>(sizeof(info))) {
-    ++count_;
+    count_ = info.ssi_signo == SIGHUP ? std::max(count_, 1) : count_ + 1;
   }
 }
 

@@ -1,5 +1,6 @@
 #include "cli/flight_director.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace roundabout::cli {
@@ -116,6 +117,31 @@ TEST_F(FlightDirectorTest, EndsWhenLandingTakesTooLong) {
   ASSERT_EQ(director_.decide(5.0), Direction::kLand);
   EXPECT_EQ(director_.decide(34.9), Direction::kLand);
   EXPECT_EQ(director_.decide(35.0), Direction::kEnd);
+}
+
+TEST_F(FlightDirectorTest, NamesWhoIsStillInTheAirWhenLandingTookTooLong) {
+  hear("hex1", true);
+  director_.onStop();
+  ASSERT_EQ(director_.decide(5.0), Direction::kLand);
+  EXPECT_THAT(director_.notLanded(), testing::IsEmpty());
+  ASSERT_EQ(director_.decide(35.0), Direction::kEnd);
+  EXPECT_THAT(director_.notLanded(), testing::ElementsAre("hex2"));
+}
+
+TEST_F(FlightDirectorTest, LandsWhenTheMissionIsOverAndCallsThatNotEarly) {
+  director_.onMissionOver();
+  EXPECT_EQ(director_.decide(5.0), Direction::kLand);
+  EXPECT_FALSE(director_.early());
+  hear("hex1", true);
+  hear("hex2", true);
+  EXPECT_EQ(director_.decide(6.0), Direction::kEnd);
+}
+
+TEST_F(FlightDirectorTest, LandsWhenTheFlyCommandItselfFails) {
+  director_.onFailure("out of memory");
+  EXPECT_EQ(director_.decide(5.0), Direction::kLand);
+  EXPECT_EQ(director_.reason(), "roundabout fly failed: out of memory");
+  EXPECT_TRUE(director_.early());
 }
 
 TEST_F(FlightDirectorTest, KeepsTheFirstReasonToLand) {

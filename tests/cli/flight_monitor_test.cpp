@@ -59,12 +59,12 @@ class FlightMonitorTest : public testing::Test {
     bus_.handle({});
   }
 
-  void publishFleet(std::int8_t phase) {
+  void publishFleet(std::int8_t phase, int num_steps = 7) {
     fleet_status_t status{};
     status.phase = phase;
     status.formation = "D";
     status.step = 2;
-    status.num_steps = 7;
+    status.num_steps = num_steps;
     status.vehicles_at_goal = 1;
     bus::publish(bus_, bus::kFleetStatusChannel, status);
     bus_.handle({});
@@ -111,13 +111,23 @@ TEST_F(FlightMonitorTest, TellsWhoIsOnTheFloor) {
               ElementsAre(Pair("hex1", false), Pair("hex2", true), Pair("hex1", true)));
 }
 
-TEST_F(FlightMonitorTest, KnowsWhenTheMissionIsDone) {
-  EXPECT_FALSE(monitor_->missionDone());
-  publishFleet(fleet_status_t::FAILED);
-  EXPECT_FALSE(monitor_->missionDone());
+TEST_F(FlightMonitorTest, KnowsWhenTheMissionIsOverInTheAir) {
+  EXPECT_FALSE(monitor_->missionOver());
+  publishFleet(fleet_status_t::HOLD);
+  EXPECT_FALSE(monitor_->missionOver());
   publishFleet(fleet_status_t::DONE);
-  EXPECT_TRUE(monitor_->missionDone());
-  EXPECT_EQ(fleets_heard_, 2);
+  EXPECT_FALSE(monitor_->missionOver()) << "it landed them itself";
+  publishFleet(fleet_status_t::IDLE);
+  EXPECT_TRUE(monitor_->missionOver());
+  EXPECT_EQ(fleets_heard_, 3);
+}
+
+TEST_F(FlightMonitorTest, TakesNoMissionForOverThatIsSteeredByMessage) {
+  publishFleet(fleet_status_t::IDLE, 0);
+  EXPECT_FALSE(monitor_->missionOver()) << "the file has none";
+  bus_.publish("MISSION", {});
+  publishFleet(fleet_status_t::IDLE);
+  EXPECT_FALSE(monitor_->missionOver()) << "somebody had a word with the fleet";
 }
 
 TEST_F(FlightMonitorTest, SurvivesBytesThatAreNoMessage) {

@@ -1,7 +1,9 @@
 #include "cli/supervisor.h"
 
 #include <fstream>
-#include <thread>
+#include <map>
+#include <stdexcept>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +12,7 @@
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
 #include "common/core/error.h"
+#include "roundabout_msgs/planner_status_t.hpp"
 #include "tests/support/lcm_url.h"
 #include "tests/support/scratch_folder.h"
 
@@ -41,6 +44,18 @@ class SupervisorTest : public testing::Test {
     std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   }
 
+  // The one that this process started.
+  static void killChild(const std::string& name) {
+    std::ifstream children("/proc/self/task/" + std::to_string(getpid()) + "/children");
+    for (pid_t pid = 0; children >> pid;) {
+      std::string command;
+      std::ifstream("/proc/" + std::to_string(pid) + "/comm") >> command;
+      if (command == name) {
+        kill(pid, SIGKILL);
+      }
+    }
+  }
+
   FlightResult fly() { return Supervisor(plan_, bus_, stop_, console_).run(); }
 
   test::ScratchFolder scratch_;
@@ -57,6 +72,19 @@ TEST_F(SupervisorTest, TellsInItsOwnWordsWhyAProcessDidNotStart) {
     FAIL() << "flew without a fleet";
   } catch (const ChildFailure& failure) {
     EXPECT_STREQ(failure.what(), "fleet: mission[0]: expected room, found none");
+  }
+}
+
+TEST_F(SupervisorTest, ShowsNameStatusAndLastLinesOfAProcessThatFailedBeforeTheStart) {
+  become("fleet", "echo '12:00:00 fleet info  2 vehicles' >&2; echo oops >&2; exit 1");
+  try {
+    fly();
+    FAIL() << "flew without a fleet";
+  } catch (const ChildFailure& failure) {
+    EXPECT_STREQ(failure.what(),
+                 "fleet: exit status 1 before the flight began\n"
+                 "    12:00:00 fleet info  2 vehicles\n"
+                 "    oops");
   }
 }
 
@@ -94,20 +122,64 @@ TEST_F(SupervisorTest, EndsAtOnceWhenStoppedBeforeTheFirstState) {
   EXPECT_FALSE(result.states_seen);
 }
 
-TEST_F(SupervisorTest, RefusesToFlyWhereSomebodyFlies) {
-  std::jthread somebody([url = plan_.lcm_url](const std::stop_token& stop) {
-    bus::LcmBus bus(url);
-    while (!stop.stop_requested()) {
-      bus::publish(bus, bus::kStatesChannel, bus::toMessage(core::StatesFrame{1'000'000, 0, {}}));
-      bus.handle(std::chrono::milliseconds(5));
-    }
-  });
-  try {
-    fly();
-    FAIL() << "flew into somebody's flight";
-  } catch (const core::StartupError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("states of another flight"));
+/// The network, until the first state has come; from then on every attempt to listen fails.
+class BusThatBreaks final : public bus::Bus {
+ public:
+  explicit BusThatBreaks(bus::Bus& network) : network_(network) {
+    network_.subscribe(bus::kSafetyOrderChannel, [this](const bus::Received&) { ++orders_; });
   }
+
+  void publish(const std::string& channel, std::span<const std::byte> payload) override {
+    network_.publish(channel, payload);
+  }
+  void subscribe(const std::string& channel, Handler handler) override {
+    handlers_[channel] = std::move(handler);
+  }
+  void subscribePrefix(const std::string&, Handler) override {}
+  int handle(std::chrono::milliseconds timeout) override {
+    network_.handle(timeout);
+    if (!std::exchange(broken_, true)) {
+      deliver(bus::kStatesChannel, bus::toMessage(core::StatesFrame{1'000'000, 0, {}}));
+    } else if (orders_ > 0) {
+      // All have landed.
+      for (const char* vehicle : {"hex1", "hex2"}) {
+        roundabout_msgs::planner_status_t status{};
+        status.mode = roundabout_msgs::planner_status_t::LANDED;
+        deliver(bus::plannerStatusChannel(vehicle), status);
+      }
+    }
+    throw std::runtime_error("the bus broke");
+  }
+
+  int orders() const { return orders_; }
+
+ private:
+  template <class Message>
+  void deliver(const std::string& channel, const Message& message) {
+    handlers_.at(channel)({channel, bus::encode(message), 0});
+  }
+
+  bus::Bus& network_;
+  std::map<std::string, Handler> handlers_;
+  bool broken_ = false;
+  int orders_ = 0;
+};
+
+TEST_F(SupervisorTest, LandsAllBeforeItGivesUpOnAnError) {
+  BusThatBreaks bus(bus_);
+  const FlightResult result = Supervisor(plan_, bus, stop_, console_).run();
+  EXPECT_GT(bus.orders(), 0);
+  EXPECT_THAT(result.events,
+              testing::ElementsAre("ended early: roundabout fly failed: the bus broke"));
+}
+
+TEST_F(SupervisorTest, SaysThatTheLogIsNotCompleteWhenTheLoggerWasKilled) {
+  BusThatBreaks bus(bus_);
+  Supervisor supervisor(plan_, bus, stop_, console_);
+  killChild("lcm-logger");
+  const FlightResult result = supervisor.run();
+  EXPECT_FALSE(result.log_complete);
+  EXPECT_THAT(result.events, testing::Contains(HasSubstr("the log is not complete")));
 }
 
 }  // namespace

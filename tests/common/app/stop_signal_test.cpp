@@ -37,6 +37,24 @@ TEST(StopSignal, CountsSignals) {
   EXPECT_EQ(stop.count(), 3);
 }
 
+TEST(StopSignal, CountsAHangUpOnceAndOnlyIfItIsTheFirst) {
+  StopSignal stop;
+  raise(SIGHUP);
+  EXPECT_EQ(stop.count(), 1);
+  raise(SIGHUP);
+  EXPECT_EQ(stop.count(), 1);
+  raise(SIGINT);
+  EXPECT_EQ(stop.count(), 2);
+}
+
+TEST(StopSignal, DoesNotHearAHangUpThatIsIgnored) {
+  std::signal(SIGHUP, SIG_IGN);
+  StopSignal stop;
+  raise(SIGHUP);
+  EXPECT_FALSE(stop.requested());
+  std::signal(SIGHUP, SIG_DFL);
+}
+
 TEST(StopSignal, TheDescriptorIsReadableUntilTheSignalIsSeen) {
   StopSignal stop;
   raise(SIGTERM);
