@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string_view>
 
@@ -35,6 +36,9 @@ class Policy {
 
   /// Whether decide() needs a scan. Without one such a policy stands still.
   virtual bool needsScan() const { return false; }
+
+  /// Another one for another agent: shares parameters with this one, remembers nothing.
+  virtual std::unique_ptr<Policy> twin() const = 0;
 
   /// Forgets what was remembered of earlier calls: a new flight begins.
   virtual void reset() {}

@@ -87,7 +87,7 @@ int queryPolicy(const std::string& weights_path, std::istream& in, std::ostream&
   for (int line_number = 1; std::getline(in, line); ++line_number) {
     try {
       Observation observation;
-      Json record = LineParser(line_number, network.weights().max_others).parse(line, observation);
+      Json record = LineParser(line_number, network.weights()->max_others).parse(line, observation);
       const Ga3cCadrlNetwork::Output output = network.evaluate(observation);
       record["probs"] = output.probabilities;
       record["value"] = output.value;

@@ -31,6 +31,9 @@ class ScriptedPolicy final : public Policy {
     return script_->decision;
   }
   void reset() override { ++script_->resets; }
+  std::unique_ptr<Policy> twin() const override {
+    return std::make_unique<ScriptedPolicy>(script_);
+  }
   std::string_view name() const override { return "scripted"; }
 
  private:

@@ -15,6 +15,9 @@ class Ga3cCadrl final : public Policy {
   explicit Ga3cCadrl(std::shared_ptr<const Ga3cCadrlWeights> weights);
 
   Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override;
+  std::unique_ptr<Policy> twin() const override {
+    return std::make_unique<Ga3cCadrl>(network_.weights());
+  }
   std::string_view name() const override { return "ga3c_cadrl"; }
 
  private:

@@ -50,7 +50,7 @@ class Ga3cCadrlNetwork {
 
   Output evaluate(const Observation& observation);
 
-  const Ga3cCadrlWeights& weights() const { return *weights_; }
+  const std::shared_ptr<const Ga3cCadrlWeights>& weights() const { return weights_; }
 
  private:
   using Weights = Ga3cCadrlWeights;

@@ -21,6 +21,8 @@ class NonCooperative final : public Policy {
     return decision;
   }
 
+  std::unique_ptr<Policy> twin() const override { return std::make_unique<NonCooperative>(); }
+
   std::string_view name() const override { return "non_cooperative"; }
 };
 

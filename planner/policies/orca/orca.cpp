@@ -55,6 +55,8 @@ class Orca final : public Policy {
     return toDecision(ego, choice.velocity_mps);
   }
 
+  std::unique_ptr<Policy> twin() const override { return std::make_unique<Orca>(options_); }
+
   std::string_view name() const override { return "orca"; }
 
  private:

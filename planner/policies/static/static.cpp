@@ -8,6 +8,8 @@ class Static final : public Policy {
  public:
   Decision decide(const core::EgoAgent&, const core::Surroundings&) override { return {}; }
 
+  std::unique_ptr<Policy> twin() const override { return std::make_unique<Static>(); }
+
   std::string_view name() const override { return "static"; }
 };
 

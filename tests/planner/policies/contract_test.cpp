@@ -140,6 +140,18 @@ TEST_P(PolicyContract, DegenerateScenesAreAnsweredSoundly) {
   });
 }
 
+TEST_P(PolicyContract, ATwinAnswersAsOneThatWasJustMade) {
+  const auto used = make();
+  forManyScenes([&](const Scene& scene, core::RandomStream&) {
+    used->decide(scene.ego, scene.others);
+    const auto twin = used->twin();
+    EXPECT_EQ(twin->name(), used->name());
+    const auto fresh = make();
+    EXPECT_EQ(Answer(twin->decide(scene.ego, scene.others)),
+              Answer(fresh->decide(scene.ego, scene.others)));
+  });
+}
+
 TEST_P(PolicyContract, HeadOnIsAnsweredSoundly) {
   const auto policy = make();
   for (double distance_m = 0.0; distance_m <= 10.0; distance_m += 0.125) {
