@@ -96,7 +96,7 @@ struct Flight {
   int frames_out_of_order = 0;          ///< left out of frames
   std::vector<FlightVehicle> vehicles;  ///< in the order of the experiment file
   std::vector<Logged<FleetStatus>> fleet;
-  std::vector<Logged<core::SafetyOrder>> safety_orders;
+  std::vector<Logged<core::SafetyOrder>> safety_orders;  ///< repetitions left out
 
   std::vector<Rejected> rejected;  ///< by channel
   DamageReport damage;

@@ -166,7 +166,15 @@ class FlightReader {
     roundabout_msgs::safety_order_t message;
     core::SafetyOrder order;
     if (decode(event, message) && accept(event, bus::fromMessage(message, order))) {
-      flight_.safety_orders.push_back({event.log_utime, order});
+      const auto& seen = flight_.safety_orders;
+      // Orders are sent again, as they were, until they are obeyed.
+      const bool repeated = std::any_of(seen.begin(), seen.end(), [&](const auto& earlier) {
+        return earlier.value.utime == order.utime && earlier.value.order == order.order &&
+               earlier.value.vehicle == order.vehicle;
+      });
+      if (!repeated) {
+        flight_.safety_orders.push_back({event.log_utime, order});
+      }
     }
   }
 

@@ -92,6 +92,21 @@ TEST_F(ReadFlightTest, CountsMessagesOfNoUseByChannel) {
   EXPECT_EQ(flight.vehicles[0].commands.size(), 101u);
 }
 
+TEST_F(ReadFlightTest, TakesARepeatedOrderForOne) {
+  const std::string log = folder_.file("orders.lcm");
+  {
+    LogWriter writer(log);
+    const core::SafetyOrder first{100, "", core::SafetyOrderKind::kHold};
+    const core::SafetyOrder second{200, "hex1", core::SafetyOrderKind::kLand};
+    for (const core::SafetyOrder& order : {first, second, first, second}) {
+      writer.write(1, "SAFETY_ORDER", bus::toMessage(order));
+    }
+  }
+  const Flight flight = readFlight(log);
+  ASSERT_EQ(flight.safety_orders.size(), 2U);
+  EXPECT_EQ(flight.safety_orders[1].value.vehicle, "hex1");
+}
+
 TEST_F(ReadFlightTest, LeavesOutFramesThatAreOlderThanTheOneBefore) {
   synthetic_.write(log());
   const std::string once = readFile(log());
