@@ -72,15 +72,15 @@ std::shared_ptr<Heard> listen(bus::Bus& bus) {
   return heard;
 }
 
-bool done(const Heard& heard, const core::SafetyOrder& order, double listened_s,
-          const DeliveryLimits& limits) {
+/// As far as is known by now.
+bool everybodyObeys(const Heard& heard, const core::SafetyOrder& order) {
   if (!order.vehicle.empty()) {
     const auto addressed = heard.find(order.vehicle);
     return addressed != heard.end() && obeys(addressed->second, order);
   }
-  return !heard.empty() && listened_s >= limits.listen_s &&
-         std::all_of(heard.begin(), heard.end(),
-                     [&](const auto& entry) { return obeys(entry.second, order); });
+  return !heard.empty() && std::all_of(heard.begin(), heard.end(), [&](const auto& entry) {
+    return obeys(entry.second, order);
+  });
 }
 
 std::string namesOf(const Heard& heard) {
@@ -122,15 +122,18 @@ Delivery deliver(bus::Bus& bus, const core::SafetyOrder& order, const DeliveryLi
     return wallSeconds();
   };
   const double begin_s = send();  // before the subscriptions, which take LCM a moment
-  double sent_s = begin_s;
+  const double listen_s = order.vehicle.empty() ? limits.listen_s : 0.0;
   const std::shared_ptr<Heard> heard = listen(bus);
-  for (double now_s = begin_s;
-       now_s - begin_s < limits.answer_s && !done(*heard, order, now_s - begin_s, limits);
-       now_s = wallSeconds()) {
-    if (now_s - sent_s >= limits.repeat_s) {
+  double sent_s = begin_s;
+  for (double now_s = begin_s; now_s - begin_s < limits.answer_s; now_s = wallSeconds()) {
+    bus.handle(kStep);
+    if (everybodyObeys(*heard, order)) {
+      if (now_s - begin_s >= listen_s) {
+        break;
+      }
+    } else if (now_s - sent_s >= limits.repeat_s) {
       sent_s = send();
     }
-    bus.handle(kStep);
   }
   return judge(*heard, order);
 }

@@ -77,6 +77,12 @@ TEST_F(OrderDeliveryTest, RepeatsTheSameOrderUntilTheLastHasHeardIt) {
   EXPECT_THAT(stamps_, testing::Each(kOrderTime));
 }
 
+TEST_F(OrderDeliveryTest, RepeatsNothingOnceEverybodyObeys) {
+  planners_ = {{"hex1", {}}};
+  order(SafetyOrderKind::kHold);
+  EXPECT_EQ(stamps_.size(), 1U);
+}
+
 TEST_F(OrderDeliveryTest, NamesWhoDoesNotObey) {
   planners_ = {{"hex1", {}}, {"hex2", {.orders_lost = 1'000'000}}};
   const Delivery delivery = order(SafetyOrderKind::kHold);

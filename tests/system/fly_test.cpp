@@ -90,6 +90,69 @@ TEST_F(Fly, LandsAllAndClosesTheLogOnCtrlC) {
   EXPECT_THAT(leftRunning(), IsEmpty());
 }
 
+TEST_F(Fly, RefusesToStartBesideAPlannerThatWasForgotten) {
+  start("planner", {"--config", twoSwap(), "--vehicle", "hex1", "--lcm-url", url()});
+  waitUntil("the planner", [this] { return modeOf("hex1") >= 0; });
+  const Ended flight = finish(startFlight(twoSwap()));
+  EXPECT_EQ(flight.status.code, 2);
+  EXPECT_THAT(flight.lines.back(), HasSubstr("found PLANNER_STATUS_hex1"));
+}
+
+TEST_F(Fly, LandsAllWhenItsTerminalCloses) {
+  cli::ChildProcess& flight = startFlight(twoSwap(), {"--real-time", "--no-report"});
+  waitForFlight();
+  flight.signal(SIGHUP);
+  waitUntil("landing", [this] { return modeOf("hex1") == planner_status_t::LANDING; });
+  flight.signal(SIGHUP);
+  EXPECT_EQ(finish(flight).status.code, 130);
+  EXPECT_EQ(modeOf("hex1"), int{planner_status_t::LANDED});
+  EXPECT_EQ(modeOf("hex2"), int{planner_status_t::LANDED});
+}
+
+TEST_F(Fly, OutlivesWhoeverReadsWhatItSays) {
+  const std::string command = std::string(ROUNDABOUT_BIN_DIR) + "/roundabout fly " + twoSwap() +
+                              " --lcm-url " + url() + " --out " + out().string();
+  const std::string status = (scratch_ / "status").string();
+  run("sh", {"-c", "{ " + command + "; echo $? >" + status + "; } | head -n 1"});
+  waitUntil("the end", [&] { return std::filesystem::exists(status); });
+  std::ifstream file(status);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "0\n");
+  EXPECT_TRUE(std::filesystem::exists(out() / "report.html"));
+}
+
+TEST_F(Fly, NeedsNoStandardOutput) {
+  const std::string command = std::string(ROUNDABOUT_BIN_DIR) + "/roundabout fly " + twoSwap() +
+                              " --lcm-url " + url() + " --out " + out().string();
+  EXPECT_TRUE(run("sh", {"-c", "exec " + command + " <&- >&- 2>&-"}).status.clean());
+  EXPECT_TRUE(std::filesystem::exists(out() / "report.html"));
+}
+
+TEST_F(Fly, LandsAllWhenAMissionEndsInTheAir) {
+  const Ended flight =
+      finish(startFlight(write("aloft.yaml",
+                               "name: aloft\nvehicles: [{name: hex1}, {name: hex2}]\n"
+                               "mission: [take_off, {formation: {name: pair, points: [[0, 0], [2, "
+                               "0]], seconds: 0.5}}]\n"),
+                         {"--no-report"}));
+  EXPECT_TRUE(flight.status.clean()) << flight.status.describe();
+  EXPECT_THAT(flight.lines, Contains(HasSubstr("landing all: the mission is over")));
+  EXPECT_EQ(modeOf("hex1"), int{planner_status_t::LANDED});
+  EXPECT_LT(heightOf("hex2"), 0.1);
+}
+
+TEST_F(Fly, SaysHowItWentAlthoughItCannotDraw) {
+  const std::filesystem::path programs = scratch_ / "programs";
+  std::filesystem::create_directory(programs);
+  std::filesystem::create_symlink("/usr/bin/lcm-logger", programs / "lcm-logger");
+  const Ended flight =
+      run("env", {"PATH=" + programs.string(), std::string(ROUNDABOUT_BIN_DIR) + "/roundabout",
+                  "fly", twoSwap(), "--lcm-url", url(), "--out", out().string()});
+  EXPECT_TRUE(flight.status.clean()) << flight.status.describe();
+  EXPECT_THAT(flight.lines, Contains(HasSubstr("SUCCESS")));
+  EXPECT_THAT(flight.lines, Contains(HasSubstr("gnuplot")));
+  EXPECT_TRUE(std::filesystem::exists(out() / "metrics.json"));
+}
+
 TEST_F(Fly, EndsAtOnceOnASecondCtrlC) {
   cli::ChildProcess& flight = startFlight(twoSwap(), {"--real-time", "--no-report"});
   waitForFlight();
@@ -115,7 +178,7 @@ TEST_F(Fly, RefusesToStartIntoAFlight) {
   const Ended second = run("roundabout", {"fly", twoSwap(), "--lcm-url", url(), "--out",
                                           (scratch_ / "second").string()});
   EXPECT_EQ(second.status.code, 2);
-  EXPECT_THAT(second.lines.back(), HasSubstr("states of another flight"));
+  EXPECT_THAT(second.lines.back(), HasSubstr("found VEHICLE_STATES"));
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "second"));
   EXPECT_FALSE(flight.exited());
 }

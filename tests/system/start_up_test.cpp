@@ -41,6 +41,10 @@ TEST_F(StartUp, RefusesAValueOfTheWrongType) {
                 {"two_swap.yaml:12", "sim.max_duration_s", "number", "soon"});
 }
 
+TEST_F(StartUp, RefusesASourceThatIsNotThereYet) {
+  expectRefusal(twoSwap("source: vicon\n"), {"two_swap.yaml:12", "source", "sim", "vicon"});
+}
+
 TEST_F(StartUp, RefusesAMissingFile) {
   expectRefusal((scratch_ / "absent.yaml").string(), {"absent.yaml", "No such file"});
 }
