@@ -64,11 +64,18 @@ bool FlightMonitor::missionOver() const {
 }
 
 void FlightMonitor::onFrame(const core::StatesFrame& frame) {
+  const core::FrameVerdict verdict = gate_.judge(frame.utime);
+  if (verdict == core::FrameVerdict::kRefused) {
+    return;
+  }
   if (progress_.first_utime == 0) {
     progress_.first_utime = frame.utime;
     events_.first_state();
   }
-  progress_.last_utime = std::max(progress_.last_utime, frame.utime);
+  if (verdict == core::FrameVerdict::kNewEpoch) {
+    progress_.first_utime = frame.utime;
+  }
+  progress_.last_utime = frame.utime;
   for (auto a = frame.vehicles.begin(); a != frame.vehicles.end(); ++a) {
     const auto radius_a = body_radius_m_.find(a->name);
     if (!a->tracked || radius_a == body_radius_m_.end()) {

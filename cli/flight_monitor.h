@@ -7,6 +7,7 @@
 
 #include "common/bus/bus.h"
 #include "common/config/experiment.h"
+#include "common/core/frame_gate.h"
 #include "common/core/vehicle_state.h"
 #include "roundabout_msgs/fleet_status_t.hpp"
 
@@ -14,7 +15,7 @@ namespace roundabout::cli {
 
 /// What is known of a flight while it lasts.
 struct Progress {
-  core::Utime first_utime = 0;  ///< of the first frame; 0: none yet
+  core::Utime first_utime = 0;  ///< of the first frame, since time went back; 0: none yet
   core::Utime last_utime = 0;
   double closest_separation_m =
       std::numeric_limits<double>::infinity();  ///< between two bodies, horizontal, so far
@@ -46,6 +47,7 @@ class FlightMonitor {
   std::map<std::string, double> body_radius_m_;
   Events events_;
   Progress progress_;
+  core::FrameGate gate_;
   core::StatesFrame frame_;
   bool steered_by_message_ = false;
 };

@@ -50,8 +50,7 @@ bool Flight::realTime() const {
 }
 
 bool Flight::underWay(const FlightVehicle& vehicle, const Sample& sample) const {
-  return sample.tracked &&
-         (!vehicle.flies || sample.position_world_m.z() - floor_m > airborne_height_m);
+  return sample.tracked && (!vehicle.flies || sample.position_world_m.z() > airborne_height_m);
 }
 
 }  // namespace roundabout::logs

@@ -71,6 +71,7 @@ struct FlightVehicle {
   double assumed_radius_m = 0.0;
   double body_radius_m = 0.0;
   double preferred_speed_mps = 0.0;
+  double top_speed_mps = 0.0;
   bool flies = true;                      ///< false: a robot on the floor
   std::vector<Sample> samples;            ///< one a frame
   std::vector<Logged<core::Goal>> goals;  ///< repetitions left out
@@ -89,11 +90,11 @@ struct Flight {
   std::string log_file;
   std::optional<config::Experiment> experiment;
   std::string experiment_note;     ///< where radii and speeds come from, for people
-  double floor_m = 0.0;            ///< world z
-  double airborne_height_m = 0.0;  ///< above the floor; below it a vehicle stands or lands
+  double airborne_height_m = 0.0;  ///< below it a vehicle stands or lands
+  double other_track_lost_s = 0.0;
 
   std::vector<Frame> frames;            ///< utime strictly growing
-  int frames_out_of_order = 0;          ///< left out of frames
+  int frames_out_of_order = 0;          ///< left out of frames: old, corrupt, of another flight
   std::vector<FlightVehicle> vehicles;  ///< in the order of the experiment file
   std::vector<Logged<FleetStatus>> fleet;
   std::vector<Logged<core::SafetyOrder>> safety_orders;  ///< repetitions left out
@@ -112,7 +113,7 @@ struct Flight {
   core::Utime dataTimeOf(core::Utime log_utime) const;
   /// Flown at the pace of the wall clock: what the experiment says, else what log times show.
   bool realTime() const;
-  /// Tracked and, if it flies, higher than airborne_height_m above the floor.
+  /// Tracked and, if it flies, higher than airborne_height_m.
   bool underWay(const FlightVehicle& vehicle, const Sample& sample) const;
 };
 
@@ -120,6 +121,9 @@ struct Flight {
 /// experiment.yaml beside the log, else the defaults of config::Vehicle. Damage and messages that
 /// are no use are counted, never fatal. Throws core::StartupError if the log or the given
 /// experiment file cannot be read.
+///
+/// Frames are judged by core::FrameGate. Where their time goes back for good, somebody began
+/// another flight: only the one with most frames is read.
 Flight readFlight(const std::string& log_file, const std::string& experiment_file = "");
 
 }  // namespace roundabout::logs

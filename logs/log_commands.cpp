@@ -40,8 +40,7 @@ void runPlot(const Options& options) {
   const Figures figures = drawFlight(flight, metrics, options.folder);
   const std::string report = options.folder + "/report.html";
   writeReport(report, flight, metrics, figures, "");
-  fmt::print("{} pictures and {}\n", figures.formations.size() + figures.over_time.size() + 1,
-             report);
+  fmt::print("{} pictures and {}\n", figures.count(), report);
 }
 
 }  // namespace

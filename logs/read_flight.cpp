@@ -9,6 +9,7 @@
 #include "common/bus/typed.h"
 #include "common/config/experiment_file.h"
 #include "logs/flight.h"
+#include "logs/frame_choice.h"
 #include "logs/reading/event_log.h"
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
@@ -18,6 +19,8 @@ namespace roundabout::logs {
 namespace {
 
 constexpr const char* kUnknownVehicle = "unknown vehicle";
+// A status answers a frame, which may be missing in the log.
+constexpr core::Utime kLongestLeadUs = core::kMicrosPerSecond;
 
 FlightVehicle vehicleFrom(const config::Vehicle& vehicle) {
   FlightVehicle result;
@@ -25,6 +28,7 @@ FlightVehicle vehicleFrom(const config::Vehicle& vehicle) {
   result.assumed_radius_m = vehicle.assumed_radius_m;
   result.body_radius_m = vehicle.body_radius_m;
   result.preferred_speed_mps = vehicle.preferred_speed_mps;
+  result.top_speed_mps = vehicle.top_speed_mps;
   result.flies = config::flies(vehicle);
   return result;
 }
@@ -66,14 +70,23 @@ class FlightReader {
     open_ = index_.empty();
   }
 
+  FrameChoice chooseFrames(const EventLog& log) {
+    FrameChooser chooser;
+    int frames = 0;
+    for (std::size_t i = 0; i < log.size(); ++i) {
+      if (log[i].channel == bus::kStatesChannel && decode(log[i], states_)) {
+        chooser.see(i, states_.utime);
+        ++frames;
+      }
+    }
+    FrameChoice choice = chooser.longest(log.size());
+    flight_.frames_out_of_order = frames - static_cast<int>(choice.events.size());
+    return choice;
+  }
+
+  /// Precondition: chosen.
   void readStates(const Event& event) {
-    if (!decode(event, states_)) {
-      return;
-    }
-    if (!flight_.frames.empty() && states_.utime <= flight_.frames.back().utime) {
-      ++flight_.frames_out_of_order;
-      return;
-    }
+    bus::decode(event.payload, states_);
     bus::fromMessage(states_, frame_);
     const std::size_t frame_index = flight_.frames.size();
     flight_.frames.push_back({frame_.utime, event.log_utime, frame_.frame_number});
@@ -157,9 +170,19 @@ class FlightReader {
 
   void readFleet(const Event& event) {
     roundabout_msgs::fleet_status_t message;
-    if (decode(event, message)) {
+    if (decode(event, message) && accept(event, stampProblem(event, message.utime))) {
       flight_.fleet.push_back({event.log_utime, fromMessage(message)});
     }
+  }
+
+  /// 0 is a fleet that has no states yet; the last stamp again, one that hears no more of them.
+  const char* stampProblem(const Event& event, core::Utime utime) {
+    const bool ahead = utime - flight_.dataTimeOf(event.log_utime) > kLongestLeadUs;
+    if (utime != 0 && (utime < last_fleet_utime_ || ahead)) {
+      return "its time stamp is old, or corrupt";
+    }
+    last_fleet_utime_ = std::max(last_fleet_utime_, utime);
+    return nullptr;
   }
 
   void readSafetyOrder(const Event& event) {
@@ -220,12 +243,14 @@ class FlightReader {
   Flight& flight_;
   std::map<std::string, std::size_t, std::less<>> index_;
   bool open_ = false;
+  core::Utime last_fleet_utime_ = 0;
   roundabout_msgs::vehicle_states_t states_;
   core::StatesFrame frame_;
 };
 
 void readExperimentFor(Flight& flight, const std::string& experiment_file) {
   flight.airborne_height_m = config::Safety().airborne_height_m;
+  flight.other_track_lost_s = config::Safety().other_track_lost_s;
   const auto sibling = std::filesystem::path(flight.log_file).parent_path() / "experiment.yaml";
   const bool found = std::filesystem::exists(sibling);
   if (experiment_file.empty() && !found) {
@@ -239,8 +264,8 @@ void readExperimentFor(Flight& flight, const std::string& experiment_file) {
   const std::string file = experiment_file.empty() ? sibling.string() : experiment_file;
   flight.experiment = config::readExperiment(file);
   flight.experiment_note = "radii and speeds from " + file;
-  flight.floor_m = flight.experiment->room.min_m.z();
   flight.airborne_height_m = flight.experiment->safety.airborne_height_m;
+  flight.other_track_lost_s = flight.experiment->safety.other_track_lost_s;
   for (const config::Vehicle& vehicle : flight.experiment->vehicles) {
     flight.vehicles.push_back(vehicleFrom(vehicle));
   }
@@ -259,15 +284,14 @@ Flight readFlight(const std::string& log_file, const std::string& experiment_fil
 
   // States first: they say which vehicles there are, and planners may have been heard earlier.
   FlightReader reader(flight);
-  for (const Event& event : log) {
-    if (event.channel == bus::kStatesChannel) {
-      reader.readStates(event);
-    }
+  const FrameChoice choice = reader.chooseFrames(log);
+  for (const std::size_t event : choice.events) {
+    reader.readStates(log[event]);
   }
   reader.fillMissingSamples();
-  for (const Event& event : log) {
-    if (event.channel != bus::kStatesChannel) {
-      reader.readOther(event);
+  for (std::size_t i = choice.begin; i < choice.end; ++i) {
+    if (log[i].channel != bus::kStatesChannel) {
+      reader.readOther(log[i]);
     }
   }
   return flight;

@@ -28,12 +28,16 @@ Figure figureIn(const std::string& folder, const std::string& name) {
 
 }  // namespace
 
+std::size_t Figures::count() const {
+  return formations.size() + over_time.size() + (overview.png_file.empty() ? 0 : 1);
+}
+
 Figures drawFlight(const Flight& flight, const Metrics& metrics, const std::string& folder) {
+  makeFolder(folder);
   Figures figures;
   if (flight.frames.empty()) {
     return figures;
   }
-  makeFolder(folder);
   GnuplotScript script;
   for (std::size_t i = 0; i < metrics.formations.size(); ++i) {
     const FormationMetrics& formation = metrics.formations[i];

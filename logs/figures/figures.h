@@ -20,10 +20,14 @@ struct Figures {
   std::vector<Figure> formations;  ///< one each, in the paper's style
   Figure overview;
   std::vector<Figure> over_time;  ///< separation, speed; frame intervals if flown in real time
+
+  /// How many pictures there are.
+  std::size_t count() const;
 };
 
 /// Draws all pictures of a flight into the folder, which it makes. Throws core::StartupError if
-/// gnuplot is missing or the folder cannot be written. Draws nothing for a flight without frames.
+/// gnuplot is missing or the folder cannot be written. Draws nothing for a flight without frames,
+/// but makes the folder.
 Figures drawFlight(const Flight& flight, const Metrics& metrics, const std::string& folder);
 
 }  // namespace roundabout::logs

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include "logs/metrics/faults.h"
 #include "logs/metrics/formations.h"
@@ -33,6 +34,12 @@ std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics
     failures.push_back(fmt::format("the bodies of {} and {} touched at {:.1f} s (overlap {:.2f} m)",
                                    touch.vehicle_a, touch.vehicle_b, touch.begin_at_s,
                                    -touch.closest_gap_m));
+  }
+  for (const Unseen& unseen : metrics.separation.unseen) {
+    failures.push_back(fmt::format(
+        "cannot tell whether bodies touched: {} unseen {:.1f}-{:.1f} s "
+        "near {}",
+        unseen.vehicle, unseen.begin_at_s, unseen.end_at_s, fmt::join(unseen.near, ", ")));
   }
   for (const FormationMetrics& formation : metrics.formations) {
     if (!formation.formed) {

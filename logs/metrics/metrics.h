@@ -15,10 +15,11 @@
 
 namespace roundabout::logs {
 
-/// A gap is the horizontal distance of two centres minus two radii, while both vehicles are in the
-/// air: body radii for a gap between bodies, assumed radii for a gap between what policies see.
+/// A gap is the horizontal distance of two centres minus two radii, unless both vehicles rest on
+/// the floor: body radii for a gap between bodies, assumed radii for a gap between what policies
+/// see.
 struct ClosestGap {
-  double gap_m = std::numeric_limits<double>::infinity();  ///< infinite: two were never in the air
+  double gap_m = std::numeric_limits<double>::infinity();  ///< infinite: there is none
   double at_s = std::numeric_limits<double>::quiet_NaN();
   std::string vehicle_a;
   std::string vehicle_b;
@@ -34,6 +35,14 @@ struct Encounter {
   double closest_gap_m = 0.0;
 };
 
+/// A time in which the cameras did not see a vehicle for so long that it may have met others.
+struct Unseen {
+  std::string vehicle;
+  double begin_at_s = 0.0;
+  double end_at_s = 0.0;
+  std::vector<std::string> near;  ///< whom it could have reached
+};
+
 struct PairMetrics {
   ClosestGap body_gap;
   int touches = 0;
@@ -47,6 +56,7 @@ struct SeparationMetrics {
   std::vector<PairMetrics> pairs;
   std::vector<Encounter> touches;     ///< bodies met: collisions
   std::vector<Encounter> approaches;  ///< closer than the assumed radii
+  std::vector<Unseen> unseen;         ///< when nobody can tell whether bodies met
   double touching_time_s = 0.0;       ///< sum over touches
   double approaching_time_s = 0.0;    ///< sum over approaches
 };

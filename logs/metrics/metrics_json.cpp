@@ -50,10 +50,18 @@ Json separation(const SeparationMetrics& separation) {
                      {"body_touches", pair.touches},
                      {"closer_than_assumed", pair.approaches}});
   }
+  Json unseen = Json::array();
+  for (const Unseen& stretch : separation.unseen) {
+    unseen.push_back({{"vehicle", stretch.vehicle},
+                      {"begin_at_s", stretch.begin_at_s},
+                      {"end_at_s", stretch.end_at_s},
+                      {"near", stretch.near}});
+  }
   return {{"closest_body_gap", gap(separation.body_gap)},
           {"closest_assumed_gap", gap(separation.assumed_gap)},
           {"body_touches", encounters(separation.touches, separation.touching_time_s)},
           {"closer_than_assumed", encounters(separation.approaches, separation.approaching_time_s)},
+          {"unseen", unseen},
           {"pairs", pairs}};
 }
 

@@ -105,15 +105,17 @@ std::string headline(const Metrics& metrics) {
   const std::string formed =
       flown == 0 ? "no formation flown"
                  : fmt::format("{} of {} formations formed", metrics.formationsFormed(), flown);
-  return formed + (touches == 0
-                       ? std::string(", no bodies touched")
-                       : fmt::format(", {} collision{}", touches, touches == 1 ? "" : "s"));
+  if (touches > 0) {
+    return formed + fmt::format(", {} collision{}", touches, touches == 1 ? "" : "s");
+  }
+  return formed + (metrics.separation.unseen.empty() ? ", no bodies touched"
+                                                     : ", nobody saw whether bodies touched");
 }
 
 std::string describe(const ClosestGap& gap) {
   return std::isfinite(gap.gap_m) ? fmt::format("{:.3f} m, {} and {} at {:.1f} s", gap.gap_m,
                                                 gap.vehicle_a, gap.vehicle_b, gap.at_s)
-                                  : "never two in the air";
+                                  : "never two of which one was off the floor";
 }
 
 std::string describe(const Silence& silence) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
+
+#include "logs/metrics/whereabouts.h"
 
 namespace roundabout::logs {
 
@@ -13,13 +16,21 @@ constexpr core::Utime kMergeUs = 200'000;
 // Of lost frames no more than this is believed to have been as close as the frames around them.
 constexpr core::Utime kLongestFrameUs = 100'000;
 
-double distance(const FlightVehicle& a, const FlightVehicle& b, std::size_t frame) {
-  return (a.samples[frame].position_world_m - b.samples[frame].position_world_m).head<2>().norm();
+std::vector<Whereabouts> whereaboutsIn(const Flight& flight) {
+  std::vector<Whereabouts> whereabouts;
+  for (const FlightVehicle& vehicle : flight.vehicles) {
+    whereabouts.emplace_back(flight, vehicle);
+  }
+  return whereabouts;
 }
 
-bool bothUnderWay(const Flight& flight, const FlightVehicle& a, const FlightVehicle& b,
-                  std::size_t frame) {
-  return flight.underWay(a, a.samples[frame]) && flight.underWay(b, b.samples[frame]);
+/// Two that rest on the floor were put there; everything else can collide.
+bool counts(const Whereabouts& a, const Whereabouts& b, std::size_t frame) {
+  return a.known(frame) && b.known(frame) && !(a.rests(frame) && b.rests(frame));
+}
+
+double distance(const Whereabouts& a, const Whereabouts& b, std::size_t frame) {
+  return (a.place(frame) - b.place(frame)).norm();
 }
 
 double timeOfFrame(const Flight& flight, std::size_t frame) {
@@ -80,6 +91,85 @@ void keepCloser(ClosestGap& closest, const ClosestGap& candidate) {
   }
 }
 
+/// Finds when a vehicle could have touched another without being seen.
+class UnseenWatch {
+ public:
+  UnseenWatch(const Flight& flight, const std::vector<Whereabouts>& whereabouts)
+      : flight_(flight), whereabouts_(whereabouts) {}
+
+  std::vector<Unseen> find() const {
+    std::vector<Unseen> found;
+    for (std::size_t i = 0; i < whereabouts_.size(); ++i) {
+      for (const Whereabouts::Stretch& stretch : whereabouts_[i].unknown()) {
+        const std::size_t last = std::min(stretch.end, flight_.frames.size() - 1);
+        add(found, i, stretch.begin == 0 ? 0 : stretch.begin - 1, last,
+            [&](std::size_t j) { return couldTouchIn(i, j, stretch); });
+      }
+      for (std::size_t frame = 0; frame + 1 < flight_.frames.size(); ++frame) {
+        if (framesLostAfter(frame) && whereabouts_[i].known(frame) &&
+            whereabouts_[i].known(frame + 1)) {
+          add(found, i, frame, frame + 1,
+              [&](std::size_t j) { return i < j && couldTouchAfter(i, j, frame); });
+        }
+      }
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Unseen& a, const Unseen& b) { return a.begin_at_s < b.begin_at_s; });
+    return found;
+  }
+
+ private:
+  template <class CouldTouch>
+  void add(std::vector<Unseen>& found, std::size_t vehicle, std::size_t begin, std::size_t end,
+           const CouldTouch& could_touch) const {
+    Unseen unseen{flight_.vehicles[vehicle].name,
+                  flight_.secondsAt(flight_.frames[begin].utime),
+                  flight_.secondsAt(flight_.frames[end].utime),
+                  {}};
+    for (std::size_t other = 0; other < whereabouts_.size(); ++other) {
+      if (other != vehicle && could_touch(other)) {
+        unseen.near.push_back(flight_.vehicles[other].name);
+      }
+    }
+    if (!unseen.near.empty()) {
+      found.push_back(std::move(unseen));
+    }
+  }
+
+  bool framesLostAfter(std::size_t frame) const {
+    return core::toSeconds(flight_.frames[frame + 1].utime - flight_.frames[frame].utime) >
+           flight_.other_track_lost_s;
+  }
+
+  bool couldTouch(std::size_t i, std::size_t j, std::size_t frame, core::Utime utime) const {
+    return apartAtLeastM(whereabouts_[i], whereabouts_[j], frame, utime) <
+           flight_.vehicles[i].body_radius_m + flight_.vehicles[j].body_radius_m;
+  }
+
+  bool couldTouchIn(std::size_t i, std::size_t j, const Whereabouts::Stretch& stretch) const {
+    for (std::size_t frame = stretch.begin; frame < stretch.end; ++frame) {
+      // Of two that are unseen at once the first one's line says it.
+      const bool said = j < i && !whereabouts_[j].known(frame);
+      if (!said && couldTouch(i, j, frame, flight_.frames[frame].utime)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// In the middle of lost frames two that move can have come closest.
+  bool couldTouchAfter(std::size_t i, std::size_t j, std::size_t frame) const {
+    const bool both_rest = whereabouts_[i].rests(frame) && whereabouts_[j].rests(frame) &&
+                           whereabouts_[i].rests(frame + 1) && whereabouts_[j].rests(frame + 1);
+    const core::Utime begin = flight_.frames[frame].utime;
+    return !both_rest &&
+           couldTouch(i, j, frame, begin + (flight_.frames[frame + 1].utime - begin) / 2);
+  }
+
+  const Flight& flight_;
+  const std::vector<Whereabouts>& whereabouts_;
+};
+
 double finish(std::vector<Encounter>& encounters) {
   std::stable_sort(
       encounters.begin(), encounters.end(),
@@ -94,6 +184,7 @@ double finish(std::vector<Encounter>& encounters) {
 }  // namespace
 
 GapsOverTime gapsOverTime(const Flight& flight) {
+  const std::vector<Whereabouts> whereabouts = whereaboutsIn(flight);
   GapsOverTime gaps;
   gaps.frames.reserve(flight.frames.size());
   for (std::size_t frame = 0; frame < flight.frames.size(); ++frame) {
@@ -102,10 +193,11 @@ GapsOverTime gapsOverTime(const Flight& flight) {
       for (std::size_t j = i + 1; j < flight.vehicles.size(); ++j) {
         const FlightVehicle& a = flight.vehicles[i];
         const FlightVehicle& b = flight.vehicles[j];
-        if (!bothUnderWay(flight, a, b, frame)) {
+        if (!counts(whereabouts[i], whereabouts[j], frame)) {
           continue;
         }
-        const double gap_m = distance(a, b, frame) - a.body_radius_m - b.body_radius_m;
+        const double gap_m =
+            distance(whereabouts[i], whereabouts[j], frame) - a.body_radius_m - b.body_radius_m;
         if (gap_m < entry.body_gap_m) {
           entry = {gap_m, i, j};
         }
@@ -130,6 +222,7 @@ ClosestGap closestIn(const Flight& flight, const GapsOverTime& gaps, std::size_t
 }
 
 SeparationMetrics separationOf(const Flight& flight) {
+  const std::vector<Whereabouts> whereabouts = whereaboutsIn(flight);
   SeparationMetrics result;
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     for (std::size_t j = i + 1; j < flight.vehicles.size(); ++j) {
@@ -138,8 +231,8 @@ SeparationMetrics separationOf(const Flight& flight) {
       PairWatch bodies(flight, a, b, a.body_radius_m + b.body_radius_m);
       PairWatch assumed(flight, a, b, a.assumed_radius_m + b.assumed_radius_m);
       for (std::size_t frame = 0; frame < flight.frames.size(); ++frame) {
-        if (bothUnderWay(flight, a, b, frame)) {
-          const double distance_m = distance(a, b, frame);
+        if (counts(whereabouts[i], whereabouts[j], frame)) {
+          const double distance_m = distance(whereabouts[i], whereabouts[j], frame);
           bodies.see(frame, distance_m);
           assumed.see(frame, distance_m);
         }
@@ -156,6 +249,7 @@ SeparationMetrics separationOf(const Flight& flight) {
   }
   result.touching_time_s = finish(result.touches);
   result.approaching_time_s = finish(result.approaches);
+  result.unseen = UnseenWatch(flight, whereabouts).find();
   return result;
 }
 

@@ -10,7 +10,7 @@ namespace roundabout::logs {
 /// The closest pair of every frame.
 struct GapsOverTime {
   struct Entry {
-    double body_gap_m;  ///< infinite: fewer than two vehicles in the air
+    double body_gap_m;  ///< infinite: no two of which one is off the floor
     std::size_t vehicle_a;
     std::size_t vehicle_b;
   };

@@ -50,7 +50,7 @@ std::string card(const std::string& value, const std::string& text, const char* 
 
 std::string gapCard(const ClosestGap& gap, const std::string& what, const char* below_zero) {
   if (!std::isfinite(gap.gap_m)) {
-    return card("–", what + ": never two in the air");
+    return card("–", what + ": never two of which one was off the floor");
   }
   return card(fmt::format("{:.2f} m", gap.gap_m),
               fmt::format("{}, {} and {} at {:.1f} s", what, escaped(gap.vehicle_a),

@@ -51,6 +51,13 @@ class FlightMonitorTest : public testing::Test {
     bus_.handle({});
   }
 
+  /// Empty ones, ten a second.
+  void publishFrames(core::Utime first, core::Utime last) {
+    for (core::Utime utime = first; utime <= last; utime += 100'000) {
+      publishFrame(utime, {});
+    }
+  }
+
   void publishMode(const std::string& vehicle, std::int8_t mode) {
     planner_status_t status{};
     status.vehicle = vehicle;
@@ -97,10 +104,25 @@ TEST_F(FlightMonitorTest, LeavesOutWhatIsNotTrackedOrNotOfTheExperiment) {
 }
 
 TEST_F(FlightMonitorTest, TellsTheFirstStateOnceAndMeasuresDataTime) {
-  publishFrame(1'000'000, {});
-  publishFrame(3'500'000, {});
+  publishFrames(1'000'000, 3'500'000);
   EXPECT_EQ(first_states_, 1);
   EXPECT_DOUBLE_EQ(monitor_->progress().elapsed_s(), 2.5);
+}
+
+TEST_F(FlightMonitorTest, IsNotMisledByAFrameADayAhead) {
+  publishFrames(1'000'000, 1'500'000);
+  publishFrame(86'400'000'000, {vehicleAt("hex1", 0.0), vehicleAt("hex2", 0.0)});
+  publishFrames(1'600'000, 2'000'000);
+  EXPECT_DOUBLE_EQ(monitor_->progress().elapsed_s(), 1.0);
+  EXPECT_EQ(monitor_->progress().closest_separation_m, std::numeric_limits<double>::infinity());
+}
+
+TEST_F(FlightMonitorTest, MeasuresTimeAnewWhenTheSourceIsStartedAnew) {
+  publishFrames(50'000'000, 51'000'000);
+  publishFrames(1'000'000, 3'000'000);
+  EXPECT_EQ(first_states_, 1);
+  EXPECT_LE(monitor_->progress().elapsed_s(), 2.0);
+  EXPECT_EQ(monitor_->progress().last_utime, 3'000'000);
 }
 
 TEST_F(FlightMonitorTest, TellsWhoIsOnTheFloor) {
@@ -142,7 +164,7 @@ TEST_F(FlightMonitorTest, SurvivesBytesThatAreNoMessage) {
 TEST_F(FlightMonitorTest, DescribesTheFlightInOneLine) {
   publishFrame(1'000'000, {vehicleAt("hex1", 0.0), vehicleAt("hex2", 2.0)});
   publishFleet(fleet_status_t::GO);
-  publishFrame(5'000'000, {});
+  publishFrames(1'100'000, 5'000'000);
   EXPECT_EQ(describe(monitor_->progress(), 0.5),
             "go D (step 3 of 7), 1 of 2 at goal, closest 1.50 m, 4.0 s, 8.0x real time");
 }

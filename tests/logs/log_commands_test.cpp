@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/bus/messages.h"
 #include "common/core/error.h"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
@@ -50,6 +51,18 @@ TEST_F(LogCommandsTest, PlotLeavesPicturesAndAReport) {
   run({"log", "plot", log(), "-o", folder_.file("out")});
   EXPECT_TRUE(std::filesystem::exists(folder_.file("out/report.html")));
   EXPECT_TRUE(std::filesystem::exists(folder_.file("out/formation_01_C.png")));
+}
+
+TEST_F(LogCommandsTest, PlotOfALogWithoutStatesIsAReportWithoutPictures) {
+  {
+    LogWriter writer(log());
+    writer.write(1, "SAFETY_ORDER", bus::toMessage(core::SafetyOrder{}));
+  }
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_THAT(run({"log", "plot", log(), "-o", folder_.file("new/out")}),
+                HasSubstr("0 pictures and "));
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("new/out/report.html")));
+  }
 }
 
 TEST_F(LogCommandsTest, AMissingLogIsOneLine) {

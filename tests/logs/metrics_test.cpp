@@ -107,21 +107,100 @@ TEST_F(MetricsTest, CountsNoiseAroundContactAsOneEncounter) {
   EXPECT_NEAR(metrics.separation.touching_time_s, synthetic_.duration_s / 2, 0.2);
 }
 
-TEST_F(MetricsTest, IgnoresVehiclesOnTheFloor) {
-  synthetic_.vehicles = {{"hex1", standing({0, 0, 0.1})}, {"hex2", standing({0.1, 0, 1})}};
+TEST_F(MetricsTest, VehiclesThatWerePutSideBySideOnTheFloorDoNotTouch) {
+  synthetic_.vehicles = {{"hex1", standing({0, 0, 0.1})}, {"hex2", standing({0.1, 0, 0.0})}};
   const Metrics metrics = measure();
   EXPECT_THAT(metrics.separation.touches, IsEmpty());
   EXPECT_TRUE(std::isinf(metrics.separation.body_gap.gap_m));
 }
 
-TEST_F(MetricsTest, IgnoresPlacesOfUntrackedVehicles) {
+TEST_F(MetricsTest, FlyingAboveOneThatStandsOnTheFloorIsACollision) {
+  passAt(0.0);
+  synthetic_.vehicles[1].position_world_m = standing({0.0, 0.3, 0.05});
+  EXPECT_EQ(measure().separation.touches.size(), 1u);
+}
+
+TEST_F(MetricsTest, BodiesThatMeetJustAboveTheFloorTouch) {
+  // Both come down at 0.3 m/s, half a metre apart, and have landed at 0.12 m after 5 s.
+  synthetic_.vehicles = {{"hex1", straight({0, 0, 1.62}, {0, 0, 0.12}, 0.3)},
+                         {"hex2", straight({3, 0, 0.14}, {0.5, 0, 0.12}, 0.5)}};
+  const Metrics metrics = measure();
+  ASSERT_EQ(metrics.separation.touches.size(), 1u);
+  EXPECT_LT(metrics.separation.touches[0].begin_at_s, 5.0);
+  EXPECT_NEAR(metrics.separation.touches[0].end_at_s, 5.0, 0.05) << "then both rest";
+}
+
+TEST_F(MetricsTest, JudgesAShortTimeWithoutTrackingByTheLineAcrossIt) {
+  passAt(0.4);
+  synthetic_.vehicles[0].untracked_from_s = 4.6;
+  synthetic_.vehicles[0].untracked_to_s = 5.4;
+  const Metrics metrics = measure();
+  ASSERT_EQ(metrics.separation.touches.size(), 1u);
+  EXPECT_NEAR(metrics.separation.body_gap.gap_m, 0.4 - 0.7, 1e-3);
+  EXPECT_NEAR(metrics.separation.body_gap.at_s, 5.0, kFrameS);
+  EXPECT_THAT(metrics.separation.unseen, IsEmpty());
+  EXPECT_NEAR(metrics.vehicles[0].untracked_time_s, 0.8, 1e-6);
+  EXPECT_NEAR(metrics.vehicles[0].path_length_m, 10.0, 0.02) << "joined straight across the gap";
+}
+
+TEST_F(MetricsTest, CannotTellWhatAVehicleTouchedThatWasUnseenForLong) {
   passAt(0.4);
   synthetic_.vehicles[0].untracked_from_s = 4.0;
   synthetic_.vehicles[0].untracked_to_s = 6.0;
   const Metrics metrics = measure();
   EXPECT_THAT(metrics.separation.touches, IsEmpty());
-  EXPECT_NEAR(metrics.vehicles[0].untracked_time_s, 2.0, 1e-6);
-  EXPECT_NEAR(metrics.vehicles[0].path_length_m, 10.0, 0.02) << "joined straight across the gap";
+  EXPECT_FALSE(metrics.success);
+  EXPECT_THAT(metrics.failures, ElementsAre("cannot tell whether bodies touched: hex1 unseen "
+                                            "4.0-6.0 s near hex2"));
+  EXPECT_THAT(headline(metrics), HasSubstr("nobody saw whether bodies touched"));
+  const auto json = nlohmann::json::parse(toJson(metrics));
+  EXPECT_EQ(json["separation"]["unseen"][0]["near"][0], "hex2");
+}
+
+TEST_F(MetricsTest, AVehicleUnseenForLongFarFromOthersHasTouchedNobody) {
+  // Unseen for 2 s at no more than 2 m/s: it cannot have come 9 m.
+  passAt(9.0);
+  synthetic_.vehicles[0].untracked_from_s = 4.0;
+  synthetic_.vehicles[0].untracked_to_s = 6.0;
+  const Metrics metrics = measure();
+  EXPECT_THAT(metrics.separation.unseen, IsEmpty());
+  EXPECT_TRUE(metrics.success);
+}
+
+TEST_F(MetricsTest, CannotTellWhatTwoTouchedThatWereUnseenAtOnceAndSaysItOnce) {
+  passAt(0.4);
+  for (SyntheticVehicle& vehicle : synthetic_.vehicles) {
+    vehicle.untracked_from_s = 4.0;
+    vehicle.untracked_to_s = 6.0;
+  }
+  EXPECT_THAT(measure().failures, ElementsAre(HasSubstr("hex1 unseen 4.0-6.0 s near hex2")));
+}
+
+TEST_F(MetricsTest, CannotTellWhatAVehicleTouchedThatWasNotSeenAgain) {
+  passAt(0.8);
+  synthetic_.vehicles[0].untracked_from_s = 4.5;
+  const Metrics metrics = measure();
+  ASSERT_EQ(metrics.separation.unseen.size(), 1u);
+  EXPECT_NEAR(metrics.separation.unseen[0].end_at_s, 11.0, kFrameS);
+}
+
+TEST_F(MetricsTest, CannotTellWhatHappenedWhileTheLogLostFrames) {
+  passAt(0.4);
+  for (int frame = 850; frame < 1150; ++frame) {
+    synthetic_.lost_frames.insert(frame);
+  }
+  EXPECT_THAT(measure().failures, testing::Contains(HasSubstr("hex1 unseen 4.2-5.8 s near hex2")));
+}
+
+TEST_F(MetricsTest, AVehicleThatStoodOnTheFloorBeforeAndAfterItWasHiddenHasStoodThere) {
+  passAt(0.0);
+  synthetic_.vehicles[1].position_world_m = standing({0.0, 1.0, 0.05});
+  synthetic_.formations[0].goals_world_m[1] = {0.0, 1.0, 1.0};
+  synthetic_.vehicles[1].untracked_from_s = 4.0;
+  synthetic_.vehicles[1].untracked_to_s = 6.0;
+  const Metrics metrics = measure();
+  EXPECT_THAT(metrics.separation.unseen, IsEmpty());
+  EXPECT_NEAR(metrics.separation.body_gap.gap_m, 1.0 - 0.7, 1e-3);
 }
 
 TEST_F(MetricsTest, MeasuresTheTimeBeyondTheStraightLine) {

@@ -5,6 +5,7 @@
 #include "common/core/error.h"
 #include "logs/files.h"
 #include "logs/flight.h"
+#include "roundabout_msgs/fleet_status_t.hpp"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
 
@@ -115,6 +116,74 @@ TEST_F(ReadFlightTest, LeavesOutFramesThatAreOlderThanTheOneBefore) {
   EXPECT_EQ(flight.frames.size(), 2001u);
   EXPECT_EQ(flight.frames_out_of_order, 2001);
   EXPECT_EQ(flight.vehicles[0].samples.size(), 2001u);
+}
+
+/// A frame with hex1 alone, and a status of the fleet.
+void writeMoment(LogWriter& writer, core::Utime log_utime, core::Utime utime, double x_m) {
+  core::VehicleState hex1;
+  hex1.name = "hex1";
+  hex1.tracked = true;
+  hex1.position_world_m = {x_m, 0.0, 1.0};
+  writer.write(log_utime, bus::kStatesChannel, bus::toMessage({utime, 0, {hex1}}));
+  roundabout_msgs::fleet_status_t status{};
+  status.utime = utime;
+  status.phase = roundabout_msgs::fleet_status_t::GO;
+  writer.write(log_utime + 1, bus::kFleetStatusChannel, status);
+}
+
+TEST_F(ReadFlightTest, AFrameADayAheadCostsNoOtherFrame) {
+  {
+    LogWriter writer(log());
+    for (int k = 1; k <= 100; ++k) {
+      writeMoment(writer, k * 5000, k * 5000 + (k == 50 ? 86'400'000'000 : 0), k);
+    }
+  }
+  const Flight flight = readFlight(log());
+  EXPECT_EQ(flight.frames.size(), 99u);
+  EXPECT_EQ(flight.frames_out_of_order, 1);
+  EXPECT_EQ(flight.vehicles[0].samples.back().position_world_m.x(), 100.0);
+  EXPECT_EQ(flight.fleet.size(), 99u) << "nor does a status a day ahead";
+  ASSERT_EQ(flight.rejected.size(), 1u);
+  EXPECT_EQ(flight.rejected[0].channel, "FLEET_STATUS");
+}
+
+TEST_F(ReadFlightTest, AFirstFrameADayAheadCostsNoOtherFrame) {
+  {
+    LogWriter writer(log());
+    for (int k = 1; k <= 100; ++k) {
+      writeMoment(writer, k * 5000, k * 5000 + (k == 1 ? 86'400'000'000 : 0), k);
+    }
+  }
+  EXPECT_EQ(readFlight(log()).frames.size(), 99u);
+}
+
+TEST_F(ReadFlightTest, APauseOfTheCamerasCostsNoFrame) {
+  {
+    LogWriter writer(log());
+    for (int k = 1; k <= 100; ++k) {
+      writeMoment(writer, k * 5000, k * 5000 + (k > 50 ? 700'000 : 0), k);
+    }
+  }
+  const Flight flight = readFlight(log());
+  EXPECT_EQ(flight.frames.size(), 100u);
+  EXPECT_EQ(flight.frames_out_of_order, 0);
+}
+
+TEST_F(ReadFlightTest, OfTwoFlightsInALogTheLongerOneIsRead) {
+  {
+    LogWriter writer(log());
+    for (int k = 1; k <= 60; ++k) {
+      writeMoment(writer, k * 5000, 1'000'000 + k * 5000, 1.0);
+    }
+    for (int k = 1; k <= 100; ++k) {
+      writeMoment(writer, 2'000'000 + k * 5000, k * 5000, 2.0);
+    }
+  }
+  const Flight flight = readFlight(log());
+  EXPECT_EQ(flight.frames.size(), 100u);
+  EXPECT_EQ(flight.frames_out_of_order, 60);
+  EXPECT_EQ(flight.vehicles[0].samples.front().position_world_m.x(), 2.0);
+  EXPECT_EQ(flight.fleet.size(), 100u);
 }
 
 TEST_F(ReadFlightTest, KnowsRealTimeByTheLogWhenNothingElseSaysIt) {
