@@ -18,7 +18,7 @@ planner::Normalisation unusualNormalisation() {
 
 planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed) {
   planner::nn::TensorFile file;
-  for (const planner::TensorSpec& spec : planner::kGa3cCadrlTensors) {
+  for (const planner::nn::TensorSpec& spec : planner::kGa3cCadrlTensors) {
     core::RandomStream random(seed, spec.name);
     // Sums over the inputs come out near one, so that no unit saturates.
     const double deviation = spec.rows == 0 ? 0.1 : 1.5 / std::sqrt(spec.rows);

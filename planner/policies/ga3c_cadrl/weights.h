@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "planner/nn/safetensors.h"
+#include "planner/nn/weight_file.h"
 #include "planner/policies/ga3c_cadrl/network.h"
 
 // Weight files of GA3C-CADRL networks; the format is in docs/formats/weights.md.
@@ -15,27 +15,19 @@ namespace roundabout::planner {
 
 inline constexpr std::string_view kGa3cCadrlArchitecture = "ga3c_cadrl_lstm";
 
-/// A tensor that every file has. Kernels are [inputs, outputs].
-struct TensorSpec {
-  std::string_view name;
-  int rows = 0;  ///< 0: it is a vector
-  int columns = 0;
-
-  std::vector<std::int64_t> shape() const;
-};
-
-inline constexpr std::array<TensorSpec, 12> kGa3cCadrlTensors = {{{"lstm/kernel", 71, 256},
-                                                                  {"lstm/bias", 0, 256},
-                                                                  {"layer1/kernel", 68, 256},
-                                                                  {"layer1/bias", 0, 256},
-                                                                  {"layer2/kernel", 256, 256},
-                                                                  {"layer2/bias", 0, 256},
-                                                                  {"layer3/kernel", 256, 256},
-                                                                  {"layer3/bias", 0, 256},
-                                                                  {"policy/kernel", 256, 11},
-                                                                  {"policy/bias", 0, 11},
-                                                                  {"value/kernel", 256, 1},
-                                                                  {"value/bias", 0, 1}}};
+/// Kernels are [inputs, outputs].
+inline constexpr std::array<nn::TensorSpec, 12> kGa3cCadrlTensors = {{{"lstm/kernel", 71, 256},
+                                                                      {"lstm/bias", 0, 256},
+                                                                      {"layer1/kernel", 68, 256},
+                                                                      {"layer1/bias", 0, 256},
+                                                                      {"layer2/kernel", 256, 256},
+                                                                      {"layer2/bias", 0, 256},
+                                                                      {"layer3/kernel", 256, 256},
+                                                                      {"layer3/bias", 0, 256},
+                                                                      {"policy/kernel", 256, 11},
+                                                                      {"policy/bias", 0, 11},
+                                                                      {"value/kernel", 256, 1},
+                                                                      {"value/bias", 0, 1}}};
 
 /// What goes beside the tensors. provenance: where the network comes from, how it was trained.
 std::map<std::string, std::string> ga3cCadrlMetadata(const Normalisation& normalisation,
@@ -44,7 +36,7 @@ std::map<std::string, std::string> ga3cCadrlMetadata(const Normalisation& normal
 /// Throws core::StartupError naming the tensor or the metadata key if a tensor is missing, unknown,
 /// of another shape or not finite, or if the metadata does not say what this program's encoder and
 /// network do. `path` stands for the file in errors.
-std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile& file,
+std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile& tensors,
                                                            const std::string& path);
 
 /// Reads a file. Throws as nn::readSafetensors and toGa3cCadrlWeights do.

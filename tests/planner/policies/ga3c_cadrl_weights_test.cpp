@@ -39,7 +39,7 @@ TEST_F(Ga3cCadrlWeightFile, GivesTheNetworkItsStatistics) {
 }
 
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWithoutOneOfItsTensors) {
-  for (const TensorSpec& spec : kGa3cCadrlTensors) {
+  for (const nn::TensorSpec& spec : kGa3cCadrlTensors) {
     file_ = test::randomGa3cCadrl(1);
     file_.tensors.erase(std::string(spec.name));
     EXPECT_EQ(error(), "net.safetensors: tensor " + std::string(spec.name) + ": expected shape " +
