@@ -1,12 +1,11 @@
 #include "sim/step_response_plot.h"
 
-#include <cstdio>
 #include <numbers>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/core/error.h"
+#include "common/plot/gnuplot_script.h"
 #include "sim/step_response.h"
 
 namespace roundabout::sim {
@@ -37,14 +36,14 @@ std::string rowOf(const Step& step, const StepFigures& figures) {
 }
 
 // Columns: time, response, tilt in degrees, acceleration.
-std::string blockOf(const std::string& name, const std::vector<StepSample>& response,
-                    double scale) {
-  std::string block = "$" + name + " << EOD\n";
+std::vector<std::string> rowsOf(const std::vector<StepSample>& response, double scale) {
+  std::vector<std::string> rows;
   for (const StepSample& sample : response) {
-    block += fmt::format("{:.4f} {:.5f} {:.4f} {:.4f}\n", sample.time_s, scale * sample.response,
-                         kDegrees * sample.tilt_rad, sample.acceleration_mps2);
+    rows.push_back(fmt::format("{:.4f} {:.5f} {:.4f} {:.4f}", sample.time_s,
+                               scale * sample.response, kDegrees * sample.tilt_rad,
+                               sample.acceleration_mps2));
   }
-  return block + "EOD\n";
+  return rows;
 }
 
 constexpr const char* kPanels = R"(
@@ -83,14 +82,17 @@ plot 90 lc rgb '#888888' dt 2 t 'commanded', $heading every 4 u 1:2 w l lw 2 lc 
 unset multiplot
 )";
 
-void runGnuplot(const std::string& script) {
-  std::FILE* gnuplot = popen("gnuplot", "w");
-  const bool written =
-      gnuplot != nullptr && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  if (gnuplot == nullptr || pclose(gnuplot) != 0 || !written) {
-    throw core::StartupError("gnuplot", "figures", "it draws them (package gnuplot-nox)",
-                             "that it failed");
-  }
+// Both pictures, of the same blocks.
+void draw(plot::GnuplotScript& script, const std::string& path) {
+  script.line("set term svg size 960,640 font 'sans,12' background 'white'");
+  script.line("set output {}", plot::gnuplotString(path + ".svg"));
+  script.line("{}", kPanels);
+  script.line("set output");
+  script.line("reset");
+  script.line("set term pngcairo size 960,640 font 'sans,11'");
+  script.line("set output {}", plot::gnuplotString(path + ".png"));
+  script.line("{}", kPanels);
+  script.run();
 }
 
 }  // namespace
@@ -100,27 +102,22 @@ std::string drawStepResponses(const config::Sim& sim, const std::string& path) {
       "| step | delay (5 %) | lag (63 %) | rise (10–90 %) | settled (5 %) | overshoot | most tilt "
       "| "
       "most acceleration | most jerk |\n|---|---|---|---|---|---|---|---|---|\n";
-  std::string data;
+  plot::GnuplotScript script;
   for (const Step& step : kSteps) {
     const std::vector<StepSample> response = stepResponse(sim, step.kind, step.size, kDurationS);
     table += rowOf(step, figuresOf(response, step.size));
     const bool heading = step.kind == StepKind::kHeading;
-    data += blockOf(heading                            ? "heading"
-                    : step.kind == StepKind::kVelocity ? "velocity"
-                                                       : "position",
-                    response, heading ? kDegrees : 1.0);
+    script.data(heading                            ? "heading"
+                : step.kind == StepKind::kVelocity ? "velocity"
+                                                   : "position",
+                rowsOf(response, heading ? kDegrees : 1.0));
   }
   table += "\n| from | stops within |\n|---|---|\n";
   for (const double speed_mps : {0.5, 1.0, 2.0}) {
     table +=
         fmt::format("| {:.1f} m/s | {:.2f} m |\n", speed_mps, stoppingDistanceM(sim, speed_mps));
   }
-  runGnuplot(
-      fmt::format("{}set term svg size 960,640 font 'sans,12' background 'white'\n"
-                  "set output '{}.svg'\n{}set output\n"
-                  "reset\nset term pngcairo size 960,640 font 'sans,11'\n"
-                  "set output '{}.png'\n{}",
-                  data, path, kPanels, path, kPanels));
+  draw(script, path);
   return table;
 }
 

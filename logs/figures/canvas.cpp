@@ -17,7 +17,7 @@ void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::strin
       "{} "
       "pointscale {}",
       kPixelScale * size.width, kPixelScale * size.height, kPixelScale, kPixelScale, kPixelScale);
-  script.line("set title {} font \"DejaVu Sans,14\"", quoted(title));
+  script.line("set title {} font \"DejaVu Sans,14\"", gnuplotString(title));
   script.line("set border 3 lc rgb \"#555555\"");
   script.line("set tics nomirror out scale 0.6 tc rgb \"#333333\"");
   script.line("set grid lc rgb \"#e4e4e4\" lw 1 lt 1");
@@ -26,11 +26,11 @@ void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::strin
 
 void endFigure(GnuplotScript& script, const CanvasSize& size, const Figure& figure,
                const std::string& plot) {
-  script.line("set output {}", quoted(figure.png_file));
+  script.line("set output {}", gnuplotString(figure.png_file));
   script.line("{}", plot);
   script.line("set terminal svg noenhanced size {},{} font \"DejaVu Sans,Helvetica,14\"",
               size.width, size.height);
-  script.line("set output {}", quoted(figure.svg_file));
+  script.line("set output {}", gnuplotString(figure.svg_file));
   script.line("replot");
   script.line("set output");
 }

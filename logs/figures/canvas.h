@@ -2,10 +2,13 @@
 
 #include <string>
 
+#include "common/plot/gnuplot_script.h"
 #include "logs/figures/figures.h"
-#include "logs/figures/gnuplot_script.h"
 
 namespace roundabout::logs {
+
+using plot::GnuplotScript;
+using plot::gnuplotString;
 
 /// Pixels of the page; bitmaps have twice as many each way.
 struct CanvasSize {

@@ -102,7 +102,7 @@ class Plot {
   }
 
   void addKey(const std::string& style, const std::string& text) {
-    parts_.push_back(fmt::format("keyentry {} title {}", style, quoted(text)));
+    parts_.push_back(fmt::format("keyentry {} title {}", style, gnuplotString(text)));
   }
 
   std::string command() const { return fmt::format("plot {}", fmt::join(parts_, ", \\\n     ")); }

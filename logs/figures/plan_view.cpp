@@ -55,7 +55,7 @@ void PlanView::set(GnuplotScript& script, const std::string& caption) const {
   script.line("set tmargin at screen {:.4f}", 1.0 - static_cast<double>(kTop) / canvas.height);
   script.line("set xlabel \"x (m)\"");
   script.line("set label 1 {} at screen 0.5, screen 0.025 center tc rgb \"#667385\" font \",9\"",
-              quoted(caption));
+              gnuplotString(caption));
   script.line("set ylabel \"y (m)\"");
   script.line("set key at graph 1.02, 1 left top Left reverse samplen 1 spacing 1.3");
 }

@@ -57,7 +57,7 @@ void begin(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
     script.line(
         "set label {} {} at first {:.3f}, graph 1.05 center noenhanced tc rgb \"#777777\" "
         "font \",12\"",
-        object++, quoted(formation.name), (begin_s + end_s) / 2.0);
+        object++, gnuplotString(formation.name), (begin_s + end_s) / 2.0);
   }
 }
 
@@ -119,7 +119,7 @@ void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metri
     script.data(fmt::format("speed{}", i), rows);
     parts.push_back(fmt::format("$speed{} with lines lw 1.3 lc rgb \"{}\" title {}", i,
                                 hex(vehicleColor(i, flight.vehicles.size())),
-                                quoted(vehicle.name)));
+                                gnuplotString(vehicle.name)));
   }
   endFigure(script, kSize, figure, fmt::format("plot {}", fmt::join(parts, ", \\\n     ")));
 }

@@ -5,6 +5,7 @@
 #include "logs/files.h"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
 namespace {
@@ -22,7 +23,7 @@ class ChannelSummaryTest : public testing::Test {
   }
   std::string log() const { return folder_.file("flight.lcm"); }
 
-  TemporaryFolder folder_;
+  test::ScratchFolder folder_;
 };
 
 TEST_F(ChannelSummaryTest, NamesTypesAndMeasuresRates) {

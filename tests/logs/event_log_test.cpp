@@ -9,6 +9,7 @@
 #include "common/core/random.h"
 #include "logs/files.h"
 #include "tests/logs/log_writer.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
 namespace {
@@ -59,7 +60,7 @@ class EventLogTest : public testing::Test {
     return events;
   }
 
-  TemporaryFolder folder_;
+  test::ScratchFolder folder_;
 };
 
 TEST_F(EventLogTest, ReadsWhatLcmWrote) {

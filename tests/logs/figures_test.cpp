@@ -7,13 +7,13 @@
 #include "common/config/experiment_file.h"
 #include "common/core/error.h"
 #include "logs/figures/formation_figure.h"
-#include "logs/figures/gnuplot_script.h"
 #include "logs/figures/palette.h"
 #include "logs/files.h"
 #include "logs/report/html.h"
 #include "logs/report/report.h"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
 namespace {
@@ -41,7 +41,7 @@ class FiguresTest : public testing::Test {
     EXPECT_THAT(svg, HasSubstr("</svg>")) << figure.svg_file << " is cut off";
   }
 
-  TemporaryFolder folder_;
+  test::ScratchFolder folder_;
   Flight flight_;
   Metrics metrics_;
 };
@@ -117,22 +117,6 @@ TEST_F(TroubledFiguresTest, AreExplainedInTheReport) {
   EXPECT_THAT(html, HasSubstr("a/&quot;b\\ was not formed"));
   EXPECT_THAT(html, HasSubstr("planner of hex_1 silent from 4.0 s to the end"));
   EXPECT_THAT(html, HasSubstr("VEHICLE_STATES at <b>200.00 Hz</b>"));
-}
-
-TEST(GnuplotScript, QuotesWhatGnuplotSays) {
-  GnuplotScript script;
-  script.line("set nonsense");
-  try {
-    script.run();
-    FAIL() << "nonsense was accepted";
-  } catch (const core::StartupError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("gnuplot: figures: expected a script that runs"));
-    EXPECT_THAT(error.what(), HasSubstr("nrecognized option"));
-  }
-}
-
-TEST(GnuplotScript, QuotesTextSoThatNothingIsInterpreted) {
-  EXPECT_EQ(quoted("a\"b\\c\nd"), "\"a\\\"b\\\\c d\"");
 }
 
 TEST(Palette, GivesEveryVehicleAColourOfItsOwn) {

@@ -8,6 +8,7 @@
 #include "common/core/error.h"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
 namespace {
@@ -32,7 +33,7 @@ class LogCommandsTest : public testing::Test {
     return testing::internal::GetCapturedStdout();
   }
 
-  TemporaryFolder folder_;
+  test::ScratchFolder folder_;
   CLI::App app_;
 };
 

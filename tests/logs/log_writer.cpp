@@ -1,16 +1,8 @@
 #include "tests/logs/log_writer.h"
 
-#include <cstdlib>
 #include <vector>
 
 namespace roundabout::logs {
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "roundabout_logs_XXXXXX").string();
-  path_ = mkdtemp(name.data());
-}
-
-TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
 
 void LogWriter::writeBytes(core::Utime log_utime, const std::string& channel,
                            std::span<const std::byte> payload) {

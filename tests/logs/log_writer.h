@@ -3,7 +3,6 @@
 // Writes the logs that tests read: with liblcm's own writer, so that the reader is held against the
 // format and not against itself.
 
-#include <filesystem>
 #include <string>
 
 #include <lcm/eventlog.h>
@@ -12,20 +11,6 @@
 #include "common/core/time.h"
 
 namespace roundabout::logs {
-
-/// A folder of a test's own, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 class LogWriter {
  public:

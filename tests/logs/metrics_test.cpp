@@ -12,6 +12,7 @@
 #include "logs/metrics/metrics_text.h"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
 namespace {
@@ -54,7 +55,7 @@ class MetricsTest : public testing::Test {
     synthetic_.duration_s = 11.0;
   }
 
-  TemporaryFolder folder_;
+  test::ScratchFolder folder_;
   SyntheticFlight synthetic_;
   Flight flight_;
 };

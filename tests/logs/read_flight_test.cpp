@@ -8,6 +8,7 @@
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
 namespace {
@@ -28,7 +29,7 @@ class ReadFlightTest : public testing::Test {
   }
   std::string log() const { return folder_.file("flight.lcm"); }
 
-  TemporaryFolder folder_;
+  test::ScratchFolder folder_;
   SyntheticFlight synthetic_;
 };
 

@@ -1,4 +1,4 @@
-#include "logs/figures/gnuplot_script.h"
+#include "common/plot/gnuplot_script.h"
 
 #include <array>
 #include <cerrno>
@@ -13,7 +13,7 @@
 
 #include "common/core/error.h"
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 namespace {
 
@@ -94,7 +94,7 @@ void GnuplotScript::run() const {
   }
 }
 
-std::string quoted(std::string_view text) {
+std::string gnuplotString(std::string_view text) {
   std::string result = "\"";
   for (const char character : text) {
     if (character == '"' || character == '\\') {
@@ -105,4 +105,4 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

@@ -7,7 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 /// A gnuplot script that is built line by line and run by one gnuplot process.
 class GnuplotScript {
@@ -34,6 +34,6 @@ class GnuplotScript {
 };
 
 /// A gnuplot string literal with this text, whatever it holds.
-std::string quoted(std::string_view text);
+std::string gnuplotString(std::string_view text);
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot
