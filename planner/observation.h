@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/core/agent.h"
+#include "planner/others_order.h"
 
 namespace roundabout::planner {
 
@@ -30,15 +31,12 @@ struct Observation {
   std::vector<OtherFeatures> others;  ///< in the order in which they are fed
 };
 
-/// The one way from agents to observations. Others are ordered closest last (paper, section "Agent
-/// Ordering Strategies"), by gap rounded to the centimetre, then by orthogonal position, then as
-/// given. Allocates nothing once it has seen as many others.
+/// The one way from agents to observations. Allocates nothing once it has seen as many others.
 class ObservationEncoder {
  public:
-  static constexpr std::string_view kOrder = "closest_last";
-
-  /// max_others: the closest so many are observed.
-  explicit ObservationEncoder(int max_others);
+  /// max_others: so many are observed, the closest or those that would collide first. Others are
+  /// fed in the given order.
+  ObservationEncoder(int max_others, OthersOrder order);
 
   /// All inputs are finite. The result is valid until the next call.
   const Observation& encode(const core::EgoAgent& ego, std::span<const core::OtherAgent> others);
@@ -46,13 +44,20 @@ class ObservationEncoder {
  private:
   /// One other agent before selection.
   struct Candidate {
-    double gap_cm = 0.0;  ///< rounded
+    double collision_s = 0.0;  ///< time to collision; 0 unless the order goes by it
+    double gap_cm = 0.0;       ///< rounded
     double orthogonal_m = 0.0;
     std::size_t index = 0;
     OtherFeatures features{};
   };
 
+  void collect(const core::EgoAgent& ego, std::span<const core::OtherAgent> others,
+               const Eigen::Vector2d& parallel);
+  void sortMostUrgentFirst();
+  void sortMostUrgentLast();
+
   std::size_t max_others_;
+  OthersOrder order_;
   std::vector<Candidate> candidates_;
   Observation observation_;
 };

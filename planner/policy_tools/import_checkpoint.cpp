@@ -43,7 +43,7 @@ constexpr std::array<Renamed, 12> kTensors = {{{"rnn/lstm_cell/kernel:0", "lstm/
 
 }  // namespace
 
-nn::TensorFile importCheckpoint(const std::string& prefix) {
+nn::TensorFile importCheckpoint(const std::string& prefix, OthersOrder others_order) {
   const Checkpoint checkpoint(prefix);
   nn::TensorFile file;
   for (const Renamed& tensor : kTensors) {
@@ -51,10 +51,12 @@ nn::TensorFile importCheckpoint(const std::string& prefix) {
   }
   const std::filesystem::path path = std::filesystem::absolute(prefix);
   file.metadata = ga3cCadrlMetadata(
-      kPublishedNormalisation, kPublishedMaxOthers,
-      fmt::format("imported from the TensorFlow checkpoint {}/{}, training step {}",
-                  path.parent_path().filename().string(), path.filename().string(),
-                  checkpoint.readInt("step:0")));
+      {.normalisation = kPublishedNormalisation,
+       .max_others = kPublishedMaxOthers,
+       .others_order = others_order,
+       .provenance = fmt::format("imported from the TensorFlow checkpoint {}/{}, training step {}",
+                                 path.parent_path().filename().string(), path.filename().string(),
+                                 checkpoint.readInt("step:0"))});
   toGa3cCadrlWeights(file, prefix);
   return file;
 }

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "planner/nn/safetensors.h"
 #include "planner/policy_tools/import_checkpoint.h"
@@ -17,6 +18,7 @@ void addImport(CLI::App& policy) {
   struct Arguments {
     std::string prefix;
     std::string output;
+    std::string order = std::string(nameOf(OthersOrder::kClosestLast));
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
@@ -24,8 +26,17 @@ void addImport(CLI::App& policy) {
   command->add_option("CHECKPOINT_PREFIX", arguments->prefix, "Its path without \".index\"")
       ->required();
   command->add_option("-o,--output", arguments->output, "FILE.safetensors")->required();
+  const auto orders = othersOrderNames();
+  command
+      ->add_option("--order", arguments->order,
+                   "In which order the network is fed the others; the published ones were trained "
+                   "closest_last")
+      ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())))
+      ->capture_default_str();
   command->callback([arguments] {
-    nn::writeSafetensors(arguments->output, importCheckpoint(arguments->prefix));
+    nn::writeSafetensors(
+        arguments->output,
+        importCheckpoint(arguments->prefix, othersOrderNamed(arguments->order).value()));
   });
 }
 

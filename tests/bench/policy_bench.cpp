@@ -38,7 +38,7 @@ BENCHMARK(queryGa3cCadrl)->ArgName("others")->Arg(0)->Arg(3)->Arg(9)->Arg(19);
 
 void encodeObservation(benchmark::State& state) {
   const std::vector<Scene> scenes = scenesWith(static_cast<std::size_t>(state.range(0)));
-  ObservationEncoder encoder(19);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
   std::size_t next = 0;
   for (auto _ : state) {
     const Scene& scene = scenes[next++ % kScenes];

@@ -38,8 +38,9 @@ OtherAgent pointAt(double x_m, double y_m) {
 }
 
 // The parallel positions of the others, in the order in which they are fed.
-std::vector<float> feed(const std::vector<OtherAgent>& others, int max_others = 19) {
-  ObservationEncoder encoder(max_others);
+std::vector<float> feed(const std::vector<OtherAgent>& others, int max_others = 19,
+                        OthersOrder order = OthersOrder::kClosestLast) {
+  ObservationEncoder encoder(max_others, order);
   std::vector<float> parallel_m;
   for (const OtherFeatures& features : encoder.encode(pointAgent(), others).others) {
     parallel_m.push_back(features[0]);
@@ -59,7 +60,7 @@ TEST(Observation, HasEveryFieldInItsPlace) {
   other.velocity_world_mps = {0.5, -0.25};
   other.radius_m = 0.75;
 
-  ObservationEncoder encoder(19);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
   const std::vector<OtherAgent> others = {other};
   const Observation& observation = encoder.encode(ego, others);
   EXPECT_THAT(observation.ego, Pointwise(FloatNear(kTolerance),
@@ -72,14 +73,15 @@ TEST(Observation, HasEveryFieldInItsPlace) {
 TEST(Observation, HeadingIsPositiveWhenTheGoalLiesToTheRight) {
   EgoAgent ego = pointAgent();
   ego.heading_world_rad = 0.3;
-  EXPECT_NEAR(ObservationEncoder(19).encode(ego, {}).ego[1], 0.3, 1e-6);
+  EXPECT_NEAR(ObservationEncoder(19, OthersOrder::kClosestLast).encode(ego, {}).ego[1], 0.3, 1e-6);
 }
 
 TEST(Observation, HeadingIsWrapped) {
   EgoAgent ego = pointAgent();
   ego.goal_world_m = {-1.0, -0.001};
   ego.heading_world_rad = kPi - 0.1;
-  EXPECT_NEAR(ObservationEncoder(19).encode(ego, {}).ego[1], -0.1 - 0.001, 1e-6);
+  EXPECT_NEAR(ObservationEncoder(19, OthersOrder::kClosestLast).encode(ego, {}).ego[1],
+              -0.1 - 0.001, 1e-6);
 }
 
 TEST(Observation, IsTheSameWhereverTheSceneLiesAndHoweverItIsTurned) {
@@ -98,7 +100,7 @@ TEST(Observation, IsTheSameWhereverTheSceneLiesAndHoweverItIsTurned) {
       other.position_world_m = vector();
       other.velocity_world_mps = vector();
     }
-    ObservationEncoder encoder(19);
+    ObservationEncoder encoder(19, OthersOrder::kClosestLast);
     const Observation before = encoder.encode(ego, others);
 
     const double turn_rad = random.uniform(-kPi, kPi);
@@ -124,7 +126,7 @@ TEST(Observation, TakesTheHeadingAsAxisWhenTheAgentIsAtItsGoal) {
   EgoAgent ego = pointAgent();
   ego.goal_world_m = ego.position_world_m;
   ego.heading_world_rad = 0.5 * kPi;
-  ObservationEncoder encoder(19);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
   const std::vector<OtherAgent> others = {pointAt(0.0, 2.0)};
   const Observation& observation = encoder.encode(ego, others);
   EXPECT_EQ(observation.ego[0], 0.0F);
@@ -197,6 +199,112 @@ TEST(ObservationOrder, KeepsTheClosestWhenThereAreTooMany) {
 TEST(ObservationOrder, PrefersTheSmallerOrthogonalPositionWhenNotAllFit) {
   EXPECT_THAT(feed({pointAt(0.6, 0.8), pointAt(0.8, -0.6), pointAt(1.0, 0.0)}, 2),
               ElementsAre(0.8F, 1.0F));
+}
+
+OtherAgent movingFrom(double x_m, double y_m, double vx_mps, double vy_mps) {
+  OtherAgent other = pointAt(x_m, y_m);
+  other.velocity_world_mps = {vx_mps, vy_mps};
+  other.radius_m = 0.5;
+  return other;
+}
+
+TEST(ClosestFirst, FeedsTheClosestFirst) {
+  EXPECT_THAT(feed({pointAt(2.0, 0.0), pointAt(1.0, 0.0), pointAt(3.0, 0.0)}, 19,
+                   OthersOrder::kClosestFirst),
+              ElementsAre(1.0F, 2.0F, 3.0F));
+}
+
+TEST(ClosestFirst, PutsTheSmallerOrthogonalPositionFirstOfEqualGapsAsWell) {
+  EXPECT_THAT(feed({pointAt(0.6, 0.8), pointAt(1.0, 0.0), pointAt(0.8, -0.6)}, 19,
+                   OthersOrder::kClosestFirst),
+              ElementsAre(0.8F, 1.0F, 0.6F));
+}
+
+TEST(ClosestFirst, KeepsTheClosestWhenThereAreTooMany) {
+  EXPECT_THAT(feed({pointAt(3.0, 0.0), pointAt(2.0, 0.0), pointAt(1.0, 0.0)}, 2,
+                   OthersOrder::kClosestFirst),
+              ElementsAre(1.0F, 2.0F));
+}
+
+// The ego stands, so times to collision are the others' ways over their speeds.
+TEST(TimeToCollision, FeedsTheFirstCollisionLast) {
+  const OtherAgent near_but_slow = movingFrom(2.5, 0.0, -0.5, 0.0);  // touches after 4 s
+  const OtherAgent far_but_fast = movingFrom(0.0, 4.5, 0.0, -2.0);   // after 2 s
+  const OtherAgent leaving = movingFrom(1.5, 0.0, 1.0, 0.0);         // never
+  EXPECT_THAT(feed({near_but_slow, far_but_fast, leaving}, 19, OthersOrder::kTimeToCollision),
+              ElementsAre(1.5F, 2.5F, 0.0F));
+}
+
+TEST(TimeToCollision, IsOfRelativeVelocities) {
+  EgoAgent ego = pointAgent();
+  ego.velocity_world_mps = {1.0, 0.0};
+  // Ahead and standing, ahead and as fast: the first is run into though it is farther away.
+  const std::vector<OtherAgent> others = {movingFrom(6.0, 0.0, 0.0, 0.0),
+                                          movingFrom(2.0, 0.0, 1.0, 0.0)};
+  ObservationEncoder encoder(19, OthersOrder::kTimeToCollision);
+  const Observation& observation = encoder.encode(ego, others);
+  EXPECT_EQ(observation.others[0][0], 2.0F);
+  EXPECT_EQ(observation.others[1][0], 6.0F);
+}
+
+TEST(TimeToCollision, IsNoneWhenBodiesPassEachOther) {
+  // Radius 0.5 m: one that aims 0.51 m past the ego never touches, one that aims 0.49 m past does.
+  EXPECT_THAT(feed({movingFrom(3.0, 0.49, -1.0, 0.0), movingFrom(2.0, 0.51, -1.0, 0.0)}, 19,
+                   OthersOrder::kTimeToCollision),
+              ElementsAre(2.0F, 3.0F));
+}
+
+TEST(TimeToCollision, IsZeroForBodiesThatOverlap) {
+  EXPECT_THAT(feed({movingFrom(0.25, 0.0, 1.0, 0.0), movingFrom(0.5625, 0.0, -1.0, 0.0)}, 19,
+                   OthersOrder::kTimeToCollision),
+              ElementsAre(0.5625F, 0.25F));
+}
+
+TEST(TimeToCollision, BreaksTiesByGapAndThenByOrthogonalPosition) {
+  // Nobody moves: all times are infinite.
+  EXPECT_THAT(feed({pointAt(2.0, 0.0), pointAt(1.0, 0.0), pointAt(3.0, 0.0)}, 19,
+                   OthersOrder::kTimeToCollision),
+              ElementsAre(3.0F, 2.0F, 1.0F));
+  EXPECT_THAT(feed({pointAt(0.6, 0.8), pointAt(1.0, 0.0), pointAt(0.8, -0.6)}, 19,
+                   OthersOrder::kTimeToCollision),
+              ElementsAre(0.8F, 1.0F, 0.6F));
+}
+
+TEST(TimeToCollision, KeepsWhoCollidesFirstWhenThereAreTooMany) {
+  EXPECT_THAT(feed({movingFrom(1.0, 3.0, 0.0, 0.0), movingFrom(9.5, 0.0, -1.0, 0.0),
+                    movingFrom(5.5, 0.0, -0.1, 0.0)},
+                   2, OthersOrder::kTimeToCollision),
+              ElementsAre(5.5F, 9.5F));
+}
+
+TEST(OthersOrder, IsTheSameHoweverTheOthersAreGiven) {
+  core::RandomStream random(2, "orders");
+  for (const NamedOthersOrder& each : kOthersOrders) {
+    SCOPED_TRACE(each.name);
+    ObservationEncoder encoder(7, each.order);
+    for (int trial = 0; trial < 100; ++trial) {
+      EgoAgent ego = pointAgent();
+      ego.velocity_world_mps = {random.uniform(-1.0, 1.0), 0.5};
+      std::vector<OtherAgent> others;
+      for (int i = 0; i < 12; ++i) {
+        const double x_m = random.uniform(-4.0, 4.0);
+        const double y_m = random.uniform(-4.0, 4.0);
+        const double vx_mps = random.uniform(-1.0, 1.0);
+        others.push_back(movingFrom(x_m, y_m, vx_mps, random.uniform(-1.0, 1.0)));
+      }
+      const Observation before = encoder.encode(ego, others);
+      random.shuffle(others);
+      EXPECT_EQ(encoder.encode(ego, others).others, before.others);
+    }
+  }
+}
+
+TEST(OthersOrder, HasAName) {
+  for (const NamedOthersOrder& each : kOthersOrders) {
+    EXPECT_EQ(nameOf(each.order), each.name);
+    EXPECT_EQ(othersOrderNamed(each.name), each.order);
+  }
+  EXPECT_EQ(othersOrderNamed("closest"), std::nullopt);
 }
 
 }  // namespace

@@ -30,7 +30,10 @@ planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed) {
     }
     file.tensors.emplace(spec.name, std::move(tensor));
   }
-  file.metadata = planner::ga3cCadrlMetadata(unusualNormalisation(), 19, "random, for tests");
+  file.metadata = planner::ga3cCadrlMetadata({.normalisation = unusualNormalisation(),
+                                              .max_others = 19,
+                                              .others_order = planner::OthersOrder::kClosestLast,
+                                              .provenance = "random, for tests"});
   return file;
 }
 

@@ -9,7 +9,7 @@
 namespace roundabout::planner {
 
 Ga3cCadrl::Ga3cCadrl(std::shared_ptr<const Ga3cCadrlWeights> weights)
-    : encoder_(weights->max_others), network_(std::move(weights)) {}
+    : encoder_(weights->max_others, weights->others_order), network_(std::move(weights)) {}
 
 Decision Ga3cCadrl::decide(const core::EgoAgent& ego, const core::Surroundings& around) {
   const Observation& observation = encoder_.encode(ego, around.others);

@@ -31,6 +31,7 @@ struct Ga3cCadrlWeights {
   nn::Row<kEgoInputs> ego_mean, ego_deviation;
   nn::Row<kOtherInputs> other_mean, other_deviation;
   int max_others = 0;  ///< the most it was made to read
+  OthersOrder others_order = OthersOrder::kClosestLast;
   nn::Lstm<kOtherInputs, kUnits> lstm;
   nn::Dense<kEgoInputs + kUnits, kWidth> layer1;
   nn::Dense<kWidth, kWidth> layer2, layer3;

@@ -1,8 +1,11 @@
 #include "planner/policies/ga3c_cadrl/weights.h"
 
 #include <cmath>
+#include <optional>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 namespace roundabout::planner {
 
@@ -51,11 +54,20 @@ void requireActions(const nn::WeightFile& file, const std::string& key) {
   }
 }
 
+OthersOrder othersOrder(const nn::WeightFile& file, const std::string& key) {
+  const std::string& name = file.text(key);
+  const std::optional<OthersOrder> order = othersOrderNamed(name);
+  if (!order) {
+    file.failMetadata(key, fmt::format("one of {}", fmt::join(othersOrderNames(), ", ")),
+                      fmt::format("\"{}\"", name));
+  }
+  return *order;
+}
+
 }  // namespace
 
-std::map<std::string, std::string> ga3cCadrlMetadata(const Normalisation& normalisation,
-                                                     int max_others,
-                                                     const std::string& provenance) {
+std::map<std::string, std::string> ga3cCadrlMetadata(const Ga3cCadrlDescription& description) {
+  const Normalisation& normalisation = description.normalisation;
   return {{"architecture", std::string(kGa3cCadrlArchitecture)},
           {"format_version", std::string(kFormatVersion)},
           {"ego_fields", json(kEgoFields).dump()},
@@ -64,10 +76,10 @@ std::map<std::string, std::string> ga3cCadrlMetadata(const Normalisation& normal
           {"other_fields", json(kOtherFields).dump()},
           {"other_mean", json(normalisation.other_mean).dump()},
           {"other_deviation", json(normalisation.other_deviation).dump()},
-          {"others_order", std::string(ObservationEncoder::kOrder)},
-          {"max_others", std::to_string(max_others)},
+          {"others_order", std::string(nameOf(description.others_order))},
+          {"max_others", std::to_string(description.max_others)},
           {"actions", actionTable().dump()},
-          {"provenance", provenance}};
+          {"provenance", description.provenance}};
 }
 
 std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile& tensors,
@@ -78,7 +90,6 @@ std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile&
   file.require("format_version", kFormatVersion);
   file.requireJson("ego_fields", kEgoFields);
   file.requireJson("other_fields", kOtherFields);
-  file.require("others_order", ObservationEncoder::kOrder);
   requireActions(file, "actions");
   file.text("provenance");
   file.requireTensors(kGa3cCadrlTensors, kGa3cCadrlArchitecture);
@@ -89,6 +100,7 @@ std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile&
   weights->other_mean = file.row<Weights::kOtherInputs>("other_mean");
   weights->other_deviation = file.row<Weights::kOtherInputs>("other_deviation", true);
   weights->max_others = file.count("max_others", kMaxOthersLimit);
+  weights->others_order = othersOrder(file, "others_order");
 
   const auto lstm_kernel = file.matrix("lstm/kernel");
   weights->lstm.input_kernel = lstm_kernel.topRows<Weights::kOtherInputs>();

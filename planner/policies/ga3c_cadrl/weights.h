@@ -29,9 +29,15 @@ inline constexpr std::array<nn::TensorSpec, 12> kGa3cCadrlTensors = {{{"lstm/ker
                                                                       {"value/kernel", 256, 1},
                                                                       {"value/bias", 0, 1}}};
 
-/// What goes beside the tensors. provenance: where the network comes from, how it was trained.
-std::map<std::string, std::string> ga3cCadrlMetadata(const Normalisation& normalisation,
-                                                     int max_others, const std::string& provenance);
+/// What a file says of its network beside the tensors.
+struct Ga3cCadrlDescription {
+  Normalisation normalisation;
+  int max_others = 0;
+  OthersOrder others_order = OthersOrder::kClosestLast;  ///< that it was trained with
+  std::string provenance;  ///< where it comes from, how it was trained
+};
+
+std::map<std::string, std::string> ga3cCadrlMetadata(const Ga3cCadrlDescription& description);
 
 /// Throws core::StartupError naming the tensor or the metadata key if a tensor is missing, unknown,
 /// of another shape or not finite, or if the metadata does not say what this program's encoder and

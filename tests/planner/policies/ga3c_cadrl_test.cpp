@@ -96,7 +96,7 @@ TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPass) {
   const PlainNetwork plain(file);
   Ga3cCadrlNetwork network(toGa3cCadrlWeights(file, "random"));
   core::RandomStream random(3, "scenes");
-  ObservationEncoder encoder(19);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
   for (std::size_t num_others = 0; num_others <= 19; ++num_others) {
     const Scene scene = randomScene(random, num_others, 5.0);
     const Observation& observation = encoder.encode(scene.ego, scene.others);
@@ -117,7 +117,7 @@ TEST(Ga3cCadrlNetwork, AnswersAlikeForEveryAgentThatSharesItsWeights) {
   const auto weights = randomWeights(4);
   Ga3cCadrlNetwork used(weights);
   core::RandomStream random(4, "scenes");
-  ObservationEncoder encoder(19);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
   for (int trial = 0; trial < 20; ++trial) {
     const Scene scene = randomScene(random, random.index(20), 5.0);
     const Observation& observation = encoder.encode(scene.ego, scene.others);
@@ -188,7 +188,7 @@ TEST(Ga3cCadrl, ReportsWhatTheNetworkSaid) {
   const Scene scene = randomScene(random, 25, 5.0);
   const Decision decision = policy.decide(scene.ego, scene.others);
 
-  ObservationEncoder encoder(19);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
   Ga3cCadrlNetwork network(weights);
   const auto output = network.evaluate(encoder.encode(scene.ego, scene.others));
   EXPECT_EQ(decision.neighbours_used, 19);
@@ -204,6 +204,20 @@ TEST(Ga3cCadrl, ObservesNoMoreOthersThanItsNetworkWasMadeFor) {
   core::RandomStream random(9, "scene");
   const Scene scene = randomScene(random, 5, 5.0);
   EXPECT_EQ(policy.decide(scene.ego, scene.others).neighbours_used, 3);
+}
+
+TEST(Ga3cCadrl, FeedsTheOthersInTheOrderOfItsFile) {
+  core::RandomStream random(12, "scene");
+  const Scene scene = randomScene(random, 6, 5.0);
+  nn::TensorFile file = test::randomGa3cCadrl(12);
+  for (const NamedOthersOrder& each : kOthersOrders) {
+    file.metadata["others_order"] = each.name;
+    const auto weights = toGa3cCadrlWeights(file, "ordered");
+    ObservationEncoder encoder(19, each.order);
+    Ga3cCadrlNetwork network(weights);
+    const float expected = network.evaluate(encoder.encode(scene.ego, scene.others)).value;
+    EXPECT_EQ(Ga3cCadrl(weights).decide(scene.ego, scene.others).value, expected) << each.name;
+  }
 }
 
 TEST(Ga3cCadrl, AllocatesNothingAfterTheFirstQuery) {

@@ -38,6 +38,13 @@ TEST_F(Ga3cCadrlWeightFile, GivesTheNetworkItsStatistics) {
   EXPECT_EQ(weights->max_others, 19);
 }
 
+TEST_F(Ga3cCadrlWeightFile, SaysInWhichOrderItsNetworkIsFed) {
+  for (const NamedOthersOrder& each : kOthersOrders) {
+    file_.metadata["others_order"] = each.name;
+    EXPECT_EQ(toGa3cCadrlWeights(file_, "net.safetensors")->others_order, each.order);
+  }
+}
+
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWithoutOneOfItsTensors) {
   for (const nn::TensorSpec& spec : kGa3cCadrlTensors) {
     file_ = test::randomGa3cCadrl(1);
@@ -89,8 +96,9 @@ TEST_F(Ga3cCadrlWeightFile, IsRefusedWhenTheEncoderSeesSomethingElse) {
       errorWith("ego_fields", R"(["distance_to_goal","preferred_speed","heading","radius"])"),
       HasSubstr("metadata ego_fields: expected [\"distance_to_goal\",\"heading\","));
   EXPECT_THAT(errorWith("other_fields", "[]"), HasSubstr("metadata other_fields: expected ["));
-  EXPECT_THAT(errorWith("others_order", "closest_first"),
-              HasSubstr("expected \"closest_last\", found \"closest_first\""));
+  EXPECT_EQ(errorWith("others_order", "closest"),
+            "net.safetensors: metadata others_order: expected one of closest_last, closest_first, "
+            "time_to_collision, found \"closest\"");
 }
 
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWithOtherActions) {

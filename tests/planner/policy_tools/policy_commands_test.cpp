@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/reference.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/startup_error.h"
 #include "tests/support/weights.h"
@@ -36,6 +37,23 @@ TEST_F(PolicyCommands, ImportRefusesAMissingCheckpointAndWritesNothing) {
       test::startupErrorOf([this] { run("policy import /nowhere/network -o " + weights_); }),
       HasSubstr("/nowhere/network.index: checkpoint index: expected a file"));
   EXPECT_FALSE(std::filesystem::exists(weights_));
+}
+
+TEST_F(PolicyCommands, ImportRefusesAnOrderThatThereIsNot) {
+  EXPECT_THROW(run("policy import /nowhere/network --order closest -o " + weights_),
+               CLI::ValidationError);
+}
+
+TEST_F(PolicyCommands, ImportDeclaresTheOrderThatItIsTold) {
+  const std::string prefix =
+      test::referenceFolder() / "ga3c_cadrl/checkpoints/gym_IROS18_01900000/network_01900000";
+  if (!std::filesystem::exists(prefix + ".index")) {
+    GTEST_SKIP() << "no published network in " << test::referenceFolder();
+  }
+  run("policy import " + prefix + " -o " + weights_);
+  EXPECT_EQ(nn::readSafetensors(weights_).metadata.at("others_order"), "closest_last");
+  run("policy import " + prefix + " --order closest_first -o " + weights_);
+  EXPECT_EQ(nn::readSafetensors(weights_).metadata.at("others_order"), "closest_first");
 }
 
 TEST_F(PolicyCommands, InfoSaysWhatTheFileHolds) {
