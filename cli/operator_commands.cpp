@@ -58,7 +58,7 @@ int sendOrder(const OrderOptions& options) {
     fmt::print("{}\n", line);
   }
   for (const std::string& line : delivery.problems) {
-    fmt::print(stderr, "roundabout: {} on {}\n", line, url);
+    fmt::print(stderr, "roundabout: {}: {}\n", url, line);
   }
   return delivery.complete() ? 0 : 1;
 }

@@ -11,7 +11,7 @@ namespace roundabout::cli {
 /// Wall-clock limits, seconds.
 struct DeliveryLimits {
   double listen_s = 0.3;  ///< to everybody, for an order to all: three planner statuses
-  double answer_s = 1.0;  ///< for the last planner to obey
+  double answer_s = 1.5;  ///< for the last planner to obey; without states some speak after 1 s
   double repeat_s = 0.05;
 };
 

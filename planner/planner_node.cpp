@@ -144,6 +144,7 @@ void PlannerNode::onWallClock(WallTime now) {
     breakSilence(now, due);
   } else if (due && Seconds(now - last_frame_) > kNotice) {
     // So that nobody begins another flight beside a planner that is still there.
+    last_status_.order_utime = core_.obeyedOrder();
     bus::publish(bus_, bus::plannerStatusChannel(core_.vehicle().name), last_status_);
     last_sent_ = now;
   }

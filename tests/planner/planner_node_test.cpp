@@ -163,6 +163,15 @@ TEST_F(LockstepPlannerNodeTest, IsHeardOfByWhoeverBeginsTheNextFlight) {
   EXPECT_TRUE(commands_.empty());
 }
 
+TEST_F(LockstepPlannerNodeTest, SaysWhichOrderItObeyedAlsoWhenFramesHaveStopped) {
+  sendFrames(20);
+  bus::publish(lab_, "SAFETY_ORDER",
+               bus::toMessage(core::SafetyOrder{70, "", core::SafetyOrderKind::kHold}));
+  deliver();
+  wait(milliseconds(1100));
+  EXPECT_EQ(statuses_.back().order_utime, 70);
+}
+
 TEST_F(PlannerNodeTest, KillIsSentAtOnceAlsoBeforeTheFirstState) {
   core::SafetyOrder kill;
   kill.utime = 5;
