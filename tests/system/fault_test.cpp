@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/bus/typed.h"
+#include "logs/flight.h"
 #include "logs/reading/event_log.h"
 #include "roundabout_msgs/goal_t.hpp"
 #include "tests/system/flight_lab.h"
@@ -26,6 +27,13 @@ class Fault : public FlightLab {
     return flight;
   }
 
+  // Right after a planning tick, so that a planner which acts on ticks only is a tick late.
+  void killSimulatorAfterATick() {
+    waitUntil("a frame just after a tick",
+              [this] { return heard().states.utime % 100'000 < 10'000; });
+    killProcess({"sim"});
+  }
+
   // Wall clock between the last state and the first command of a mode, as the logger saw them. s.
   double silenceBefore(const std::string& vehicle, std::int8_t mode) const {
     core::Utime last_state = 0;
@@ -44,7 +52,41 @@ class Fault : public FlightLab {
     }
     return std::numeric_limits<double>::infinity();
   }
+
+  // Both in time, as far as a busy machine lets them, and one of them on the dot.
+  void expectCommandAfter(std::int8_t mode, double limit_s) const {
+    const double first_s = silenceBefore("hex1", mode);
+    const double second_s = silenceBefore("hex2", mode);
+    EXPECT_LE(std::min(first_s, second_s), limit_s + 0.02);
+    EXPECT_LE(std::max(first_s, second_s), limit_s + 0.1);
+    EXPECT_GE(std::min(first_s, second_s), limit_s - 0.05);
+  }
 };
+
+/// Where a vehicle was from a time on, as its log tells.
+std::vector<Eigen::Vector3d> placesFrom(const logs::Flight& flight,
+                                        const logs::FlightVehicle& vehicle, core::Utime from) {
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t frame = flight.frameAt(from); frame < flight.frames.size(); ++frame) {
+    if (vehicle.samples[frame].tracked) {
+      places.push_back(vehicle.samples[frame].position_world_m);
+    }
+  }
+  return places;
+}
+
+// Between bodies, at any height.
+double closestGapM(const logs::Flight& flight) {
+  const logs::FlightVehicle& a = flight.vehicles.at(0);
+  const logs::FlightVehicle& b = flight.vehicles.at(1);
+  double closest_m = std::numeric_limits<double>::infinity();
+  for (std::size_t frame = 0; frame < flight.frames.size(); ++frame) {
+    const Eigen::Vector3d way =
+        a.samples[frame].position_world_m - b.samples[frame].position_world_m;
+    closest_m = std::min(closest_m, way.head<2>().norm() - a.body_radius_m - b.body_radius_m);
+  }
+  return closest_m;
+}
 
 TEST_F(Fault, AKilledPlannersVehicleLandsAndTheOtherGoesOn) {
   cli::ChildProcess& flight = startSwap("fleet: {step_timeout_s: 8.0}\n");
@@ -58,19 +100,31 @@ TEST_F(Fault, AKilledPlannersVehicleLandsAndTheOtherGoesOn) {
   EXPECT_THAT(ended.lines, Contains(HasSubstr("planner of hex2 silent")));
   EXPECT_THAT(ended.lines, Contains(HasSubstr("no bodies touched")));
   EXPECT_THAT(leftRunning(), IsEmpty());
+
+  const logs::Flight flown = logs::readFlight((out() / "flight.lcm").string());
+  EXPECT_GT(closestGapM(flown), 0.0);
+  const logs::FlightVehicle& hex2 = flown.vehicles.at(1);
+  const core::Utime last_command = hex2.commands.back().value.utime;
+  const Eigen::Vector3d left = placesFrom(flown, hex2, last_command).front();
+  // It holds 0.3 s after the command, brakes from 1 m/s, and lands after 1 s.
+  const auto after = placesFrom(flown, hex2, last_command + core::toUtime(1.3));
+  ASSERT_FALSE(after.empty());
+  EXPECT_LT((after.front() - left).head<2>().norm(), 1.0);
+  for (const Eigen::Vector3d& place : after) {
+    ASSERT_LT((place - after.front()).head<2>().norm(), 0.1) << "it stays where it stopped";
+  }
+  EXPECT_GT(after.front().z(), 0.5) << "it stood there before it landed";
+  EXPECT_LT(after.back().z(), 0.1);
 }
 
 TEST_F(Fault, PlannersHoldAndLandWhenTheSimulatorIsKilled) {
   cli::ChildProcess& flight = startSwap();
-  killProcess({"sim"});
+  killSimulatorAfterATick();
   const Ended ended = finish(flight);
   EXPECT_EQ(ended.status.code, 1);
   EXPECT_THAT(ended.lines, Contains(HasSubstr("sim: killed by signal 9 (Killed)")));
-  for (const char* vehicle : {"hex1", "hex2"}) {
-    // A planner speaks ten times a second.
-    EXPECT_LE(silenceBefore(vehicle, command_t::HOLD), 0.15 + 0.1) << vehicle;
-    EXPECT_LE(silenceBefore(vehicle, command_t::LAND), 0.5 + 0.1) << vehicle;
-  }
+  expectCommandAfter(command_t::HOLD, 0.15);
+  expectCommandAfter(command_t::LAND, 0.5);
   EXPECT_THAT(leftRunning(), IsEmpty());
 }
 

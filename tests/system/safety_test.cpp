@@ -1,6 +1,9 @@
 // Orders, hostile messages and pushes while real processes fly.
 
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <regex>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -79,6 +82,36 @@ TEST_F(SafetyOrder, KillStopsTheMotorsEvenWhileHolding) {
 /// flight.
 class HostileMessages : public FlightLab {
  protected:
+  HostileMessages() {
+    const auto ignore = [](const bus::DecodeError&) {};
+    bus::subscribe<planner_status_t>(
+        bus(), "PLANNER_STATUS_hex1",
+        [this](const planner_status_t& status) {
+          // Forged ones have no policy.
+          rejected_by_hex1_ = status.policy.empty() ? rejected_by_hex1_ : status.rejected_messages;
+        },
+        ignore);
+    bus::subscribe<fleet_status_t>(
+        bus(), "FLEET_STATUS",
+        [this](const fleet_status_t& status) {
+          rejected_by_fleet_ = std::max(rejected_by_fleet_, status.rejected_messages);
+        },
+        ignore);
+  }
+
+  // Its last line says so.
+  int rejectedBySim() const {
+    std::ifstream log(out() / "logs" / "sim.log");
+    const std::string text{std::istreambuf_iterator<char>(log), std::istreambuf_iterator<char>()};
+    std::smatch match;
+    return std::regex_search(text, match, std::regex(R"((\d+) messages refused)"))
+               ? std::stoi(match[1])
+               : -1;
+  }
+
+  int rejected_by_hex1_ = 0;
+  int rejected_by_fleet_ = 0;
+
   void sendEverythingWrong() {
     const std::vector<std::string> channels{"VEHICLE_STATES",     "SAFETY_ORDER", "MISSION",
                                             "FLEET_STATUS",       "GOAL_hex1",    "COMMAND_hex1",
@@ -93,6 +126,9 @@ class HostileMessages : public FlightLab {
     }
     sendNumbersThatAreNone();
     sendOldAndUnknown();
+    sendFrames();
+    sendOrders();
+    sendOthersStatuses();
   }
 
  private:
@@ -125,9 +161,6 @@ class HostileMessages : public FlightLab {
   }
 
   void sendOldAndUnknown() {
-    roundabout_msgs::vehicle_states_t states = heard().states;
-    states.utime -= 1'000'000;
-    bus::publish(bus(), "VEHICLE_STATES", states);
     core::Goal goal;
     goal.utime = 1;
     goal.vehicle = "hex1";
@@ -144,10 +177,67 @@ class HostileMessages : public FlightLab {
     command.utime = heard().states.utime;
     command.vehicle = "stranger";
     bus::publish(bus(), "COMMAND_hex1", bus::toMessage(command));
+    roundabout_msgs::mission_t mission{};
+    mission.utime = heard().states.utime;
+    mission.verb = "go_to";
+    mission.vehicle = "stranger";
+    mission.num_points = 1;
+    mission.points = {{0.0, 0.0, 1.0}};
+    bus::publish(bus(), "MISSION", mission);
+    mission.utime = 1;
+    mission.vehicle = "hex1";
+    bus::publish(bus(), "MISSION", mission);
+  }
+
+  void sendFrames() {
+    const roundabout_msgs::vehicle_states_t honest = heard().states;
+    if (honest.vehicles.empty()) {
+      return;
+    }
+    for (const core::Utime step : {-1'000'000L, 86'400'000'000L}) {
+      roundabout_msgs::vehicle_states_t states = honest;
+      states.utime += step;
+      states.frame_number += step;
+      bus::publish(bus(), "VEHICLE_STATES", states);
+    }
+    roundabout_msgs::vehicle_states_t states = honest;
+    states.utime += 1;
+    states.vehicles[0].position[0] = kNaN;
+    bus::publish(bus(), "VEHICLE_STATES", states);
+    states = honest;
+    states.utime += 2;
+    states.vehicles[0].name = "stranger";
+    bus::publish(bus(), "VEHICLE_STATES", states);
+  }
+
+  void sendOrders() {
+    roundabout_msgs::safety_order_t order{};
+    order.utime = heard().states.utime;
+    order.vehicle = "stranger";
+    order.order = roundabout_msgs::safety_order_t::KILL;
+    bus::publish(bus(), "SAFETY_ORDER", order);
+    order.utime = 1;
+    order.vehicle = "";
+    order.order = roundabout_msgs::safety_order_t::RESUME;
+    bus::publish(bus(), "SAFETY_ORDER", order);
+  }
+
+  void sendOthersStatuses() {
     planner_status_t status{};
     status.utime = 1;
     status.vehicle = "hex1";
     bus::publish(bus(), "PLANNER_STATUS_hex1", status);
+    status.utime = heard().states.utime;
+    status.vehicle = "hex2";
+    status.distance_to_goal = kNaN;
+    status.compute_time = kNaN;
+    bus::publish(bus(), "PLANNER_STATUS_hex1", status);
+    fleet_status_t fleet{};
+    fleet.utime = 1;
+    for (const std::int8_t phase : {fleet_status_t::DONE, fleet_status_t::FAILED}) {
+      fleet.phase = phase;
+      bus::publish(bus(), "FLEET_STATUS", fleet);
+    }
   }
 
   core::RandomStream random_{5, "hostile"};
@@ -162,8 +252,10 @@ TEST_F(HostileMessages, AreRejectedAndCountedAndTheFlightGoesOn) {
   }
   const Ended ended = finish(flight);
   EXPECT_TRUE(ended.status.clean()) << ended.status.describe();
-  // hex1's own status is drowned in forged ones.
+  EXPECT_GT(rejected_by_hex1_, 100);
   EXPECT_GT(heard().planners.at("hex2").rejected_messages, 100);
+  EXPECT_GT(rejected_by_fleet_, 100);
+  EXPECT_GT(rejectedBySim(), 100);
 }
 
 class Push : public FlightLab {};
