@@ -6,6 +6,7 @@
 
 #include "cli/fly_command.h"
 #include "cli/operator_commands.h"
+#include "learning/evaluation/evaluate_command.h"
 #include "logs/log_commands.h"
 #include "planner/policy_tools/policy_commands.h"
 
@@ -17,6 +18,7 @@ int main(int argc, char** argv) {
   roundabout::cli::addFlyCommand(app, exit_status);
   roundabout::cli::addOrderCommand(app, exit_status);
   roundabout::cli::addMissionCommand(app, exit_status);
+  roundabout::learning::addEvaluateCommand(app, exit_status);
   roundabout::logs::addLogCommands(app);
   roundabout::planner::addPolicyCommands(app);
   try {

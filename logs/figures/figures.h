@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/plot/canvas.h"
 #include "logs/flight.h"
 #include "logs/metrics/metrics.h"
 
@@ -14,6 +15,8 @@ struct Figure {
   std::string caption;
   std::string png_file;
   std::string svg_file;
+
+  plot::PictureFiles files() const { return {png_file, svg_file}; }
 };
 
 struct Figures {

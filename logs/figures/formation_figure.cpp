@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 
-#include "logs/figures/palette.h"
-#include "logs/figures/plan_view.h"
+#include "common/plot/palette.h"
+#include "common/plot/plan_view.h"
 
 namespace roundabout::logs {
 
 namespace {
+
+using namespace plot;  // NOLINT(google-build-using-namespace): the drawing of this file
 
 constexpr double kStarRadiusM = 0.2;
 constexpr double kPathStepM = 0.03;
@@ -81,7 +83,7 @@ void includePaths(PlanView& view, const Flight& flight, std::size_t begin, std::
   for (const FlightVehicle& vehicle : flight.vehicles) {
     for (std::size_t frame = begin; frame < end; ++frame) {
       if (vehicle.samples[frame].tracked) {
-        view.include(vehicle.samples[frame].position_world_m, vehicle.body_radius_m);
+        view.include(vehicle.samples[frame].position_world_m.head<2>(), vehicle.body_radius_m);
       }
     }
   }
@@ -113,6 +115,29 @@ class Plot {
   int blocks_ = 0;
 };
 
+/// "x y" of the tracked samples [begin, end), no closer together than step_m; an empty row where
+/// the vehicle was not tracked.
+std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,
+                                  double step_m) {
+  std::vector<std::string> rows;
+  const Sample* last = nullptr;
+  for (std::size_t frame = begin; frame < end; ++frame) {
+    const Sample& sample = vehicle.samples[frame];
+    if (!sample.tracked) {
+      if (last != nullptr) {
+        rows.emplace_back();
+      }
+      last = nullptr;
+    } else if (last == nullptr ||
+               (sample.position_world_m - last->position_world_m).norm() >= step_m) {
+      rows.push_back(
+          fmt::format("{:.3f} {:.3f}", sample.position_world_m.x(), sample.position_world_m.y()));
+      last = &sample;
+    }
+  }
+  return rows;
+}
+
 void addPaths(Plot& plot, const Flight& flight, std::size_t begin, std::size_t end, double step_m) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     const Color color = mix(vehicleColor(i, flight.vehicles.size()), kBlack, 0.25);
@@ -142,7 +167,7 @@ void addNames(Plot& plot, const Flight& flight) {
 }
 
 void addStar(Plot& plot, const Eigen::Vector3d& goal_world_m, const Color& color) {
-  plot.add(starRows(goal_world_m, kStarRadiusM),
+  plot.add(starRows(goal_world_m.head<2>(), kStarRadiusM),
            fmt::format("with filledcurves closed fc rgb \"{}\" fs solid border lc rgb \"white\"",
                        hex(color)));
 }
@@ -185,7 +210,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
   PlanView view;
   includePaths(view, flight, begin, end);
   for (const LegMetrics& leg : formation.legs) {
-    view.include(leg.goal_world_m, kStarRadiusM);
+    view.include(leg.goal_world_m.head<2>(), kStarRadiusM);
   }
   beginFigure(script, view.size(), figure.title);
   view.set(script, figure.caption);
@@ -200,7 +225,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
             vehicleColor(indexOf(flight, leg.vehicle), flight.vehicles.size()));
   }
   addNames(plot, flight);
-  endFigure(script, view.size(), figure, plot.command());
+  endFigure(script, view.size(), figure.files(), plot.command());
 }
 
 void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
@@ -221,7 +246,7 @@ void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& me
   addPaths(plot, flight, 0, end, kOverviewPathStepM);
   addStarts(plot, flight, 0, end);
   addNames(plot, flight);
-  endFigure(script, view.size(), figure, plot.command());
+  endFigure(script, view.size(), figure.files(), plot.command());
 }
 
 }  // namespace roundabout::logs

@@ -1,8 +1,10 @@
 #pragma once
 
-#include "logs/figures/canvas.h"
+#include "logs/figures/figures.h"
 
 namespace roundabout::logs {
+
+using plot::GnuplotScript;
 
 /// The way into one formation, seen from above, in the paper's style: every vehicle as a circle of
 /// its body radius at regular intervals of data time, darker with time; stars are goals, diamonds

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "logs/figures/palette.h"
+#include "common/plot/palette.h"
 #include "logs/metrics/separation.h"
 
 namespace roundabout::logs {
 
 namespace {
+
+using namespace plot;  // NOLINT(google-build-using-namespace): the drawing of this file
 
 constexpr CanvasSize kSize{1000, 330};
 // Points along the time axis: more than this cannot be seen.
@@ -91,7 +93,7 @@ void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& 
   script.data("gap", rows);
   script.line("set ylabel \"gap (m)\"");
   script.line("set yrange [{:.3f}:{}]", lowest_m, kHighestGapM);
-  endFigure(script, kSize, figure,
+  endFigure(script, kSize, figure.files(),
             fmt::format("plot $gap with lines lw 1.8 lc rgb \"#1f4e79\" title \"closest bodies\", "
                         "{:.3f} with lines lw 1.5 dt 2 lc rgb \"#e08a00\" title \"assumed radii\", "
                         "0 with lines lw 1.5 lc rgb \"#c62828\" title \"bodies touch\"",
@@ -121,7 +123,7 @@ void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metri
                                 hex(vehicleColor(i, flight.vehicles.size())),
                                 gnuplotString(vehicle.name)));
   }
-  endFigure(script, kSize, figure, fmt::format("plot {}", fmt::join(parts, ", \\\n     ")));
+  endFigure(script, kSize, figure.files(), fmt::format("plot {}", fmt::join(parts, ", \\\n     ")));
 }
 
 void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
@@ -149,7 +151,7 @@ void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metri
   script.line("set ylabel \"interval (ms)\"");
   script.line("set yrange [0:{:.3f}]",
               std::max(2.0 * nominal_ms, 1.1e3 * metrics.timing.longest_interval_s));
-  endFigure(script, kSize, figure,
+  endFigure(script, kSize, figure.files(),
             fmt::format("plot $interval using 1:2:3 with filledcurves fc rgb \"#8fb3d9\" fs solid "
                         "noborder title \"min to max\", {:.4f} with lines lw 1.5 dt 2 lc rgb "
                         "\"#333333\" title \"nominal\"",

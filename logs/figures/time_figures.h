@@ -1,8 +1,10 @@
 #pragma once
 
-#include "logs/figures/canvas.h"
+#include "logs/figures/figures.h"
 
 namespace roundabout::logs {
+
+using plot::GnuplotScript;
 
 /// Each fills in the figure's title and caption. Time is data time since the first frame;
 /// formations are shaded.

@@ -7,7 +7,7 @@
 #include "common/config/experiment_file.h"
 #include "common/core/error.h"
 #include "logs/figures/formation_figure.h"
-#include "logs/figures/palette.h"
+#include "common/plot/palette.h"
 #include "logs/files.h"
 #include "logs/report/html.h"
 #include "logs/report/report.h"
@@ -123,7 +123,7 @@ TEST(Palette, GivesEveryVehicleAColourOfItsOwn) {
   for (const std::size_t count : {6u, 20u}) {
     std::set<int> colors;
     for (std::size_t i = 0; i < count; ++i) {
-      colors.insert(rgbNumber(vehicleColor(i, count)));
+      colors.insert(plot::rgbNumber(plot::vehicleColor(i, count)));
     }
     EXPECT_EQ(colors.size(), count);
   }

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 struct Color {
   int red = 0;
@@ -26,4 +26,4 @@ int rgbNumber(const Color& color);
 inline constexpr Color kWhite{255, 255, 255};
 inline constexpr Color kBlack{0, 0, 0};
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

@@ -1,6 +1,6 @@
-#include "logs/figures/canvas.h"
+#include "common/plot/canvas.h"
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 namespace {
 
@@ -24,15 +24,15 @@ void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::strin
   script.line("set key noautotitle noenhanced");
 }
 
-void endFigure(GnuplotScript& script, const CanvasSize& size, const Figure& figure,
+void endFigure(GnuplotScript& script, const CanvasSize& size, const PictureFiles& files,
                const std::string& plot) {
-  script.line("set output {}", gnuplotString(figure.png_file));
+  script.line("set output {}", gnuplotString(files.png));
   script.line("{}", plot);
   script.line("set terminal svg noenhanced size {},{} font \"DejaVu Sans,Helvetica,14\"",
               size.width, size.height);
-  script.line("set output {}", gnuplotString(figure.svg_file));
+  script.line("set output {}", gnuplotString(files.svg));
   script.line("replot");
   script.line("set output");
 }
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

@@ -1,10 +1,10 @@
-#include "logs/figures/plan_view.h"
+#include "common/plot/plan_view.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 namespace {
 
@@ -19,9 +19,9 @@ constexpr double kMarginM = 0.3;
 
 }  // namespace
 
-void PlanView::include(const Eigen::Vector3d& centre, double radius_m) {
-  const Eigen::Vector2d low = centre.head<2>().array() - radius_m;
-  const Eigen::Vector2d high = centre.head<2>().array() + radius_m;
+void PlanView::include(const Eigen::Vector2d& centre, double radius_m) {
+  const Eigen::Vector2d low = centre.array() - radius_m;
+  const Eigen::Vector2d high = centre.array() + radius_m;
   min_m_ = empty_ ? low : min_m_.cwiseMin(low).eval();
   max_m_ = empty_ ? high : max_m_.cwiseMax(high).eval();
   empty_ = false;
@@ -60,28 +60,7 @@ void PlanView::set(GnuplotScript& script, const std::string& caption) const {
   script.line("set key at graph 1.02, 1 left top Left reverse samplen 1 spacing 1.3");
 }
 
-std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,
-                                  double step_m) {
-  std::vector<std::string> rows;
-  const Sample* last = nullptr;
-  for (std::size_t frame = begin; frame < end; ++frame) {
-    const Sample& sample = vehicle.samples[frame];
-    if (!sample.tracked) {
-      if (last != nullptr) {
-        rows.emplace_back();
-      }
-      last = nullptr;
-    } else if (last == nullptr ||
-               (sample.position_world_m - last->position_world_m).norm() >= step_m) {
-      rows.push_back(
-          fmt::format("{:.3f} {:.3f}", sample.position_world_m.x(), sample.position_world_m.y()));
-      last = &sample;
-    }
-  }
-  return rows;
-}
-
-std::vector<std::string> starRows(const Eigen::Vector3d& centre, double radius_m) {
+std::vector<std::string> starRows(const Eigen::Vector2d& centre, double radius_m) {
   constexpr double kInnerRatio = 0.42;
   std::vector<std::string> rows;
   for (int corner = 0; corner <= 10; ++corner) {
@@ -93,4 +72,4 @@ std::vector<std::string> starRows(const Eigen::Vector3d& centre, double radius_m
   return rows;
 }
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

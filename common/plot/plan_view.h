@@ -6,15 +6,15 @@
 
 #include <Eigen/Core>
 
-#include "logs/figures/canvas.h"
+#include "common/plot/canvas.h"
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 /// The floor seen from above, both axes to the same scale, big enough for all that was added.
 class PlanView {
  public:
   /// Makes room for a circle. m, world.
-  void include(const Eigen::Vector3d& centre, double radius_m);
+  void include(const Eigen::Vector2d& centre, double radius_m);
 
   CanvasSize size() const;
   /// Axes, ranges and margins.
@@ -29,12 +29,7 @@ class PlanView {
   bool empty_ = true;
 };
 
-/// "x y" of the tracked samples [begin, end), no closer together than step_m; an empty row where
-/// the vehicle was not tracked.
-std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,
-                                  double step_m);
-
 /// The outline of a five-pointed star.
-std::vector<std::string> starRows(const Eigen::Vector3d& centre, double radius_m);
+std::vector<std::string> starRows(const Eigen::Vector2d& centre, double radius_m);
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

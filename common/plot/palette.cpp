@@ -1,4 +1,4 @@
-#include "logs/figures/palette.h"
+#include "common/plot/palette.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-namespace roundabout::logs {
+namespace roundabout::plot {
 
 namespace {
 
@@ -49,4 +49,4 @@ std::string hex(const Color& color) { return fmt::format("#{:06x}", rgbNumber(co
 
 int rgbNumber(const Color& color) { return (color.red << 16) | (color.green << 8) | color.blue; }
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

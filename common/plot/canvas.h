@@ -3,12 +3,8 @@
 #include <string>
 
 #include "common/plot/gnuplot_script.h"
-#include "logs/figures/figures.h"
 
-namespace roundabout::logs {
-
-using plot::GnuplotScript;
-using plot::gnuplotString;
+namespace roundabout::plot {
 
 /// Pixels of the page; bitmaps have twice as many each way.
 struct CanvasSize {
@@ -16,11 +12,17 @@ struct CanvasSize {
   int height = 400;
 };
 
+/// Where a picture goes, as a bitmap and as vectors.
+struct PictureFiles {
+  std::string png;
+  std::string svg;
+};
+
 /// Starts a picture: forgets what the picture before set and gives the house's look.
 void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::string& title);
 
-/// Writes what `plot` (a whole plot command) draws to both files of the figure.
-void endFigure(GnuplotScript& script, const CanvasSize& size, const Figure& figure,
+/// Writes what `plot` (a whole plot command) draws to both files.
+void endFigure(GnuplotScript& script, const CanvasSize& size, const PictureFiles& files,
                const std::string& plot);
 
-}  // namespace roundabout::logs
+}  // namespace roundabout::plot

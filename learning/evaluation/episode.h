@@ -1,0 +1,43 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "learning/evaluation/rules.h"
+#include "learning/evaluation/test_case.h"
+#include "planner/policy.h"
+
+namespace roundabout::learning {
+
+/// Of one agent, and of a case.
+enum class Outcome { kAllAtGoal, kCollision, kStuck };
+
+/// "all_at_goal", "collision", "stuck"
+const char* nameOf(Outcome outcome);
+
+struct EpisodeResult {
+  Outcome outcome = Outcome::kStuck;
+  int steps = 0;                      ///< until the last agent was done
+  double mean_extra_time_s = 0.0;     ///< over all agents
+  double closest_separation_m = 0.0;  ///< between edges, over all pairs and steps
+  long decisions = 0;                 ///< policy queries
+};
+
+/// Where an agent was after a step.
+struct TracePoint {
+  Eigen::Vector2d position_m;
+  bool done;
+};
+
+/// All agents, step by step from the start: trace[step][agent].
+using Trace = std::vector<std::vector<TracePoint>>;
+
+/// Runs one case under rules. policies[i] serves agent i and is reset first. The result is a
+/// function of rules, case and policies alone. If trace is given, it is filled in.
+EpisodeResult runEpisode(const Rules& rules, const TestCase& test_case,
+                         std::span<const std::unique_ptr<planner::Policy>> policies,
+                         Trace* trace = nullptr);
+
+}  // namespace roundabout::learning

@@ -1,0 +1,267 @@
+#include "learning/evaluation/evaluate_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "common/app/stop_signal.h"
+#include "common/config/words.h"
+#include "common/core/error.h"
+#include "learning/evaluation/case_file.h"
+#include "learning/evaluation/generate.h"
+#include "learning/evaluation/results_folder.h"
+#include "learning/evaluation/summary.h"
+#include "planner/policies/table.h"
+
+namespace roundabout::learning {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr int kInterrupted = 130;
+
+struct Options {
+  std::vector<std::string> policies;
+  std::string suite;
+  std::string case_file;
+  std::string generate;
+  GeneratorSettings generator;
+  int count = 100;
+  std::uint64_t seed = 1;
+  std::string rules = "published";
+  std::string mix;
+  double mix_share = 0.5;
+  std::string folder;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  bool resume = false;
+  bool list = false;
+  std::vector<int> draw;
+  std::optional<int> animate;
+  bool no_figures = false;
+};
+
+void list() {
+  fmt::print("policies\n");
+  for (const planner::PolicyEntry& entry : planner::policyTable()) {
+    fmt::print("  {}{}\n", entry.name, entry.needs_weights ? ":WEIGHTS" : "");
+  }
+  fmt::print("suites\n");
+  for (const SuiteEntry& entry : suiteTable()) {
+    fmt::print("  {:<11} {}\n", entry.name, entry.description);
+  }
+  fmt::print("kinds of generated cases\n  {}\n", fmt::join(generatorKinds(), ", "));
+  for (const std::string_view name : rulesNames()) {
+    fmt::print("rules {}\n", name);
+    for (const std::string& sentence : makeRules(std::string(name)).sentences()) {
+      fmt::print("  - {}\n", sentence);
+    }
+  }
+}
+
+Contestant makeContestant(const std::string& specification, const Rules& rules,
+                          const std::string& where) {
+  planner::PolicyOptions options;
+  options.orca = rules.orca;
+  options.where = where;
+  return {specification, planner::makePolicy(specification, options)};
+}
+
+Suite casesOf(const Options& options) {
+  if (!options.suite.empty()) {
+    return makeSuite(options.suite);
+  }
+  if (!options.case_file.empty()) {
+    return {options.case_file, readCaseFile(options.case_file), {}};
+  }
+  const std::string name =
+      fmt::format("{}, {}, seed {}", options.generate,
+                  agentsText(static_cast<std::size_t>(options.generator.agents)), options.seed);
+  return {name,
+          {{agentsText(static_cast<std::size_t>(options.generator.agents)),
+            generateCases(options.generate, options.generator, options.count, options.seed)}},
+          {}};
+}
+
+Evaluation prepare(const Options& options) {
+  const int sources = static_cast<int>(!options.suite.empty()) +
+                      static_cast<int>(!options.case_file.empty()) +
+                      static_cast<int>(!options.generate.empty());
+  if (sources != 1) {
+    throw core::StartupError("evaluate", "cases", "one of --suite, --cases, --generate",
+                             sources == 0 ? "none" : "several");
+  }
+  if (options.policies.empty()) {
+    throw core::StartupError("evaluate", "--policy", "at least one", "none");
+  }
+  if (options.folder.empty()) {
+    throw core::StartupError("evaluate", "--out", "a folder", "none");
+  }
+  Evaluation evaluation;
+  evaluation.rules = makeRules(options.rules);
+  for (const std::string& specification : options.policies) {
+    evaluation.contestants.push_back(makeContestant(specification, evaluation.rules, "--policy"));
+  }
+  if (!options.mix.empty()) {
+    evaluation.mix.emplace(Mix{makeContestant(options.mix, evaluation.rules, "--mix"),
+                               options.mix_share, options.seed});
+  }
+  evaluation.suite = casesOf(options);
+  evaluation.rules.goal_distance_m =
+      evaluation.suite.goal_distance_m.value_or(evaluation.rules.goal_distance_m);
+  return evaluation;
+}
+
+// What makes two runs the same.
+json describe(const Options& options, const Evaluation& evaluation) {
+  return {{"policies", options.policies},
+          {"suite", evaluation.suite.name},
+          {"cases", evaluation.casesPerContestant()},
+          {"generator",
+           {options.generator.half_side_m, options.generator.min_radius_m,
+            options.generator.max_radius_m, options.generator.min_speed_mps,
+            options.generator.max_speed_mps, options.generator.min_gap_m}},
+          {"rules", {{"name", evaluation.rules.name}, {"text", evaluation.rules.sentences()}}},
+          {"mix", options.mix.empty() ? json(nullptr) : json{options.mix, options.mix_share}},
+          {"seed", options.seed}};
+}
+
+std::string timeText(double seconds) {
+  return seconds < 90.0 ? fmt::format("{:.0f} s", seconds)
+                        : fmt::format("{:.1f} min", seconds / 60);
+}
+
+/// One line on a terminal, else a line every ten seconds.
+class Progress {
+ public:
+  Progress(std::size_t first, std::size_t rows) : first_(first), rows_(rows) {}
+
+  void show(std::size_t done, const std::string& policy, bool last) {
+    const Seconds since_shown = Clock::now() - shown_;
+    if (!last && since_shown.count() < (terminal_ ? 0.2 : 10.0)) {
+      return;
+    }
+    shown_ = Clock::now();
+    const double spent_s = Seconds(shown_ - begin_).count();
+    const double left_s = spent_s * static_cast<double>(rows_ - done) /
+                          static_cast<double>(std::max<std::size_t>(done - first_, 1));
+    fmt::print(stderr, "{}{} of {} cases, {}, {} left{}", terminal_ ? "\r\033[K" : "", done, rows_,
+               policy, timeText(left_s), terminal_ && !last ? "" : "\n");
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+
+  std::size_t first_;
+  std::size_t rows_;
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  Clock::time_point begin_ = Clock::now();
+  Clock::time_point shown_ = begin_;
+};
+
+void writeSummary(const Evaluation& evaluation, const ResultsFolder& results, double wall_s,
+                  long decisions) {
+  const std::vector<Score> scores = scoresOf(evaluation, results.finished());
+  const std::string text = summaryText(evaluation, scores);
+  std::ofstream(results.path() / "summary.txt") << text;
+  std::ofstream(results.path() / "summary.json") << summaryJson(evaluation, scores).dump(2) << '\n';
+  fmt::print("{}", text);
+  if (decisions > 0) {
+    fmt::print("\n{} agent-steps in {:.2f} s: {:.0f} a second\n", decisions, wall_s,
+               static_cast<double>(decisions) / wall_s);
+  }
+  fmt::print("{}\n", results.path().string());
+}
+
+int evaluate(const Options& options) {
+  if (options.list) {
+    list();
+    return 0;
+  }
+  app::StopSignal stop;
+  const Evaluation evaluation = prepare(options);
+  ResultsFolder results(options.folder, describe(options, evaluation), options.resume, evaluation);
+
+  Progress progress(results.finished().size(), evaluation.cases());
+  long decisions = 0;
+  const auto began = std::chrono::steady_clock::now();
+  const bool whole = runAll(
+      evaluation, results.finished().size(), options.threads,
+      [&](std::size_t row, const EpisodeResult& result) {
+        results.append(evaluation, row, result);
+        decisions += result.decisions;
+        const Place place = placeOf(evaluation, row);
+        progress.show(row + 1, labelOf(evaluation.contestants[place.contestant].specification),
+                      row + 1 == evaluation.cases());
+      },
+      [&] { return !stop.requested(); });
+  if (!whole) {
+    fmt::print(stderr, "\nstopped after {} of {} cases; go on with --resume\n",
+               results.finished().size(), evaluation.cases());
+    return kInterrupted;
+  }
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
+  writeSummary(evaluation, results, wall.count(), decisions);
+  return 0;
+}
+
+}  // namespace
+
+void addEvaluateCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("evaluate", "Run policies on the same test cases");
+  auto options = std::make_shared<Options>();
+  command->add_option("--policy", options->policies, "NAME or NAME:WEIGHTS; repeatable")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_option("--suite", options->suite, "Cases by name (--list)");
+  command->add_option("--cases", options->case_file, "Cases from a CSV file");
+  command->add_option("--generate", options->generate, "Generated cases of this kind (--list)");
+  command->add_option("--agents", options->generator.agents, "In each generated case")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--count", options->count, "Generated cases")->check(CLI::Range(1, 1000000));
+  command
+      ->add_option("--half-side", options->generator.half_side_m,
+                   "m; generated places lie in a square of twice this")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--radius", "MIN MAX, m, of generated agents")
+      ->expected(2)
+      ->check(CLI::PositiveNumber)
+      ->each([options, first = true](const std::string& text) mutable {
+        (first ? options->generator.min_radius_m : options->generator.max_radius_m) =
+            std::stod(text);
+        first = false;
+      });
+  command->add_option("--speed", "MIN MAX, m/s, preferred by generated agents")
+      ->expected(2)
+      ->check(CLI::PositiveNumber)
+      ->each([options, first = true](const std::string& text) mutable {
+        (first ? options->generator.min_speed_mps : options->generator.max_speed_mps) =
+            std::stod(text);
+        first = false;
+      });
+  command->add_option("--seed", options->seed, "Of generated cases and of --mix");
+  command->add_option("--rules", options->rules, "published or lab (--list)");
+  command->add_option("--mix", options->mix, "NAME or NAME:WEIGHTS that some agents run instead");
+  command->add_option("--mix-share", options->mix_share, "How many of them, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--out", options->folder, "Folder for the results");
+  command->add_option("--threads", options->threads, "Default: one a core")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--resume", options->resume, "Go on where the same command was interrupted");
+  command->add_option("--draw", options->draw, "Draw the trajectories of these cases of each group")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--animate", options->animate, "Animate this case of the first group (GIF)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--no-figures", options->no_figures, "Leave only numbers");
+  command->add_flag("--list", options->list, "Show policies, suites, kinds and rules");
+  command->callback([options, &exit_status] { exit_status = evaluate(*options); });
+}
+
+}  // namespace roundabout::learning

@@ -1,0 +1,259 @@
+#include "learning/evaluation/lab_episode.h"
+
+#include <algorithm>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "planner/planner_core.h"
+#include "sim/mocap_model.h"
+#include "sim/world.h"
+
+namespace roundabout::learning {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr core::Utime kStart = core::kMicrosPerSecond;
+constexpr double kRoomMargin_m = 10.0;
+constexpr double kHeight_m = 1.0;
+// Until all hover: they climb one metre at 0.7 m/s.
+constexpr double kTakeOff_s = 4.0;
+
+config::Experiment describe(const Rules& rules, const TestCase& test_case) {
+  config::Experiment experiment;
+  experiment.file = "lab rules";
+  experiment.sim = rules.sim;
+  experiment.planner.orca = rules.orca;
+  experiment.planner.rate_hz = 1.0 / rules.planning_step_s;
+  Vector2d low = test_case.agents.front().start_m;
+  Vector2d high = low;
+  const auto include = [&](const Vector2d& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  };
+  for (const AgentSpec& agent : test_case.agents) {
+    include(agent.start_m);
+    include(agent.goal_m);
+    const Vector2d way = agent.goal_m - agent.start_m;
+    config::Vehicle vehicle;
+    vehicle.name = fmt::format("agent{}", experiment.vehicles.size());
+    vehicle.assumed_radius_m = agent.radius_m;
+    vehicle.body_radius_m = rules.body_share * agent.radius_m;
+    vehicle.preferred_speed_mps = agent.preferred_speed_mps;
+    vehicle.top_speed_mps = std::max(vehicle.top_speed_mps, 2.0 * agent.preferred_speed_mps);
+    vehicle.height_m = kHeight_m;
+    vehicle.start = config::Start{agent.start_m, std::atan2(way.y(), way.x())};
+    experiment.vehicles.push_back(vehicle);
+  }
+  for (const std::vector<Vector2d>& goals_m : test_case.later_goals_m) {
+    std::for_each(goals_m.begin(), goals_m.end(), include);
+  }
+  experiment.room.min_m << low.array() - kRoomMargin_m, 0.0;
+  experiment.room.max_m << high.array() + kRoomMargin_m, 4.0;
+  return experiment;
+}
+
+/// Vehicles, cameras and planners on one clock.
+class LabEpisode {
+ public:
+  LabEpisode(const Rules& rules, const TestCase& test_case,
+             std::span<const std::unique_ptr<planner::Policy>> policies, Trace* trace)
+      : rules_(rules),
+        experiment_(describe(rules, test_case)),
+        world_(experiment_, kStart),
+        mocap_(experiment_, world_.stepUs()),
+        trace_(trace),
+        agents_(test_case.agents.size()) {
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      planners_.push_back(std::make_unique<planner::PlannerCore>(
+          experiment_, experiment_.vehicles[i].name, policies[i]->twin()));
+    }
+    mocap_.observe(world_.now(), world_.bodies());
+    next_frame_ = world_.now();
+  }
+
+  void takeOff() {
+    advance(2 * core::toUtime(rules_.planning_step_s));
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      send(i, core::GoalPhase::kTakeOff, positionOf(i));
+    }
+    advance(core::toUtime(kTakeOff_s));
+    queries_ = 0;
+  }
+
+  void fly(std::span<const Vector2d> goals_m) {
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      Agent& agent = agents_[i];
+      agent = {};
+      agent.goal_m = goals_m[i];
+      agent.straight_time_s = ((positionOf(i) - goals_m[i]).norm() - rules_.goal_distance_m) /
+                              experiment_.vehicles[i].preferred_speed_mps;
+      send(i, core::GoalPhase::kGo, goals_m[i]);
+    }
+    record();
+    const core::Utime began = world_.now();
+    while (!allDone()) {
+      advance(core::toUtime(rules_.planning_step_s));
+      judge(core::toSeconds(world_.now() - began));
+      ++steps_;
+      record();
+    }
+    ++legs_;
+    for (const Agent& agent : agents_) {
+      extra_time_s_ += (agent.time_s - agent.straight_time_s) / static_cast<double>(agents_.size());
+    }
+  }
+
+  Outcome outcome() const {
+    const auto any = [&](bool Agent::*what) {
+      return std::any_of(agents_.begin(), agents_.end(),
+                         [what](const Agent& agent) { return agent.*what; });
+    };
+    return any(&Agent::collided)    ? Outcome::kCollision
+           : any(&Agent::timed_out) ? Outcome::kStuck
+                                    : Outcome::kAllAtGoal;
+  }
+
+  EpisodeResult result() const {
+    EpisodeResult result;
+    result.outcome = outcome();
+    result.steps = steps_;
+    result.mean_extra_time_s = extra_time_s_ / legs_;
+    result.closest_separation_m = closest_m_;
+    result.decisions = queries_;
+    return result;
+  }
+
+ private:
+  struct Agent {
+    Vector2d goal_m{0.0, 0.0};
+    double straight_time_s = 0.0;
+    double time_s = 0.0;
+    bool at_goal = false;
+    bool collided = false;
+    bool timed_out = false;
+
+    bool done() const { return at_goal || collided || timed_out; }
+  };
+
+  Vector2d positionOf(std::size_t i) const { return world_.bodies()[i].position_world_m.head<2>(); }
+
+  bool allDone() const {
+    return std::all_of(agents_.begin(), agents_.end(), [](const Agent& a) { return a.done(); });
+  }
+
+  void send(std::size_t i, core::GoalPhase phase, const Vector2d& position_m) {
+    core::Goal goal;
+    goal.utime = mocap_time_;
+    goal.vehicle = experiment_.vehicles[i].name;
+    goal.goal_id = ++last_goal_;
+    goal.position_world_m = Vector3d(position_m.x(), position_m.y(), kHeight_m);
+    goal.heading_world_rad = std::numeric_limits<double>::quiet_NaN();
+    goal.phase = phase;
+    planners_[i]->onGoal(goal);
+  }
+
+  void advance(core::Utime duration) {
+    const core::Utime end = world_.now() + duration;
+    while (world_.now() < end) {
+      if (world_.now() >= next_frame_ + mocap_.latencyUs()) {
+        plan();
+      }
+      world_.step();
+      mocap_.observe(world_.now(), world_.bodies());
+      noteSeparation();
+    }
+  }
+
+  void plan() {
+    const core::StatesFrame& frame = mocap_.expose(next_frame_);
+    mocap_time_ = next_frame_;
+    next_frame_ += mocap_.frameIntervalUs();
+    for (std::size_t i = 0; i < planners_.size(); ++i) {
+      if (const auto tick = planners_[i]->onFrame(frame)) {
+        world_.accept(i, tick->command);
+        queries_ += agents_[i].done() ? 0 : 1;
+      }
+    }
+  }
+
+  void noteSeparation() {
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      for (std::size_t j = i + 1; j < agents_.size(); ++j) {
+        const double distance_m = (positionOf(i) - positionOf(j)).norm();
+        const config::Vehicle& a = experiment_.vehicles[i];
+        const config::Vehicle& b = experiment_.vehicles[j];
+        closest_m_ = std::min(closest_m_, distance_m - a.assumed_radius_m - b.assumed_radius_m);
+        if (distance_m <= a.body_radius_m + b.body_radius_m) {
+          agents_[i].collided = agents_[i].collided || !agents_[i].at_goal;
+          agents_[j].collided = agents_[j].collided || !agents_[j].at_goal;
+        }
+      }
+    }
+  }
+
+  void judge(double time_s) {
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      Agent& agent = agents_[i];
+      if (agent.time_s > 0.0 && agent.done()) {
+        continue;
+      }
+      agent.time_s = time_s;
+      agent.at_goal =
+          !agent.collided && (positionOf(i) - agent.goal_m).norm() <= rules_.goal_distance_m;
+      agent.timed_out =
+          !agent.at_goal && !agent.collided && time_s >= rules_.time_ratio * agent.straight_time_s;
+    }
+  }
+
+  void record() {
+    if (trace_ == nullptr) {
+      return;
+    }
+    std::vector<TracePoint>& points = trace_->emplace_back();
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      points.push_back({positionOf(i), agents_[i].done()});
+    }
+  }
+
+  const Rules& rules_;
+  config::Experiment experiment_;
+  sim::World world_;
+  sim::MocapModel mocap_;
+  Trace* trace_;
+  std::vector<Agent> agents_;
+  std::vector<std::unique_ptr<planner::PlannerCore>> planners_;
+  core::Utime next_frame_ = 0;
+  core::Utime mocap_time_ = 0;
+  std::int64_t last_goal_ = 0;
+  int steps_ = 0;
+  int legs_ = 0;
+  long queries_ = 0;
+  double extra_time_s_ = 0.0;
+  double closest_m_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+EpisodeResult runLabEpisode(const Rules& rules, const TestCase& test_case,
+                            std::span<const std::unique_ptr<planner::Policy>> policies,
+                            Trace* trace) {
+  LabEpisode episode(rules, test_case, policies, trace);
+  episode.takeOff();
+  std::vector<Vector2d> goals_m;
+  for (const AgentSpec& agent : test_case.agents) {
+    goals_m.push_back(agent.goal_m);
+  }
+  episode.fly(goals_m);
+  for (const std::vector<Vector2d>& next_goals_m : test_case.later_goals_m) {
+    if (episode.outcome() != Outcome::kAllAtGoal) {
+      break;
+    }
+    episode.fly(next_goals_m);
+  }
+  return episode.result();
+}
+
+}  // namespace roundabout::learning

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/experiment.h"
+
+namespace roundabout::learning {
+
+/// How test cases are run and judged. A plain description: whoever runs a case does what it says.
+struct Rules {
+  std::string name;
+  double planning_step_s = 0.1;
+  double goal_distance_m = 0.2;  ///< between centre and goal: arrived
+  double time_ratio = 8.0;       ///< of the straight-line time: who needs longer is stuck
+  double body_share = 1.0;       ///< of an agent's radius: what collides
+  bool lab = false;   ///< multirotors, motion capture and planners instead of ideal agents
+  config::Orca orca;  ///< ORCA's settings under these rules
+  config::Sim sim;    ///< of the lab
+
+  /// One sentence each, for the report.
+  std::vector<std::string> sentences() const;
+};
+
+/// Names of all rules.
+std::span<const std::string_view> rulesNames();
+
+/// "published": those of the published environment's FullTestSuite (gym-collision-avoidance).
+/// "lab": what this project flies. Throws core::StartupError for an unknown name.
+Rules makeRules(const std::string& name);
+
+}  // namespace roundabout::learning

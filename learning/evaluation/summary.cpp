@@ -1,0 +1,104 @@
+#include "learning/evaluation/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace roundabout::learning {
+
+namespace {
+
+using nlohmann::json;
+
+std::string timesText(const ExtraTimes& times) {
+  return times.cases == 0 ? "-"
+                          : fmt::format("{:.3f} / {:.3f} / {:.3f}", times.mean_s,
+                                        times.percentile75_s, times.percentile90_s);
+}
+
+json timesJson(const ExtraTimes& times) {
+  if (times.cases == 0) {
+    return {
+        {"cases", 0}, {"mean", nullptr}, {"percentile_75", nullptr}, {"percentile_90", nullptr}};
+  }
+  return {{"cases", times.cases},
+          {"mean", times.mean_s},
+          {"percentile_75", times.percentile75_s},
+          {"percentile_90", times.percentile90_s}};
+}
+
+json finiteOrNull(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+}  // namespace
+
+std::string labelOf(const std::string& specification) {
+  const std::size_t colon = specification.find(':');
+  if (colon == std::string::npos) {
+    return specification;
+  }
+  return fmt::format("{} ({})", specification.substr(0, colon),
+                     std::filesystem::path(specification.substr(colon + 1)).stem().string());
+}
+
+std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& scores) {
+  std::size_t width = 6;
+  for (const Contestant& contestant : evaluation.contestants) {
+    width = std::max(width, labelOf(contestant.specification).size());
+  }
+  std::string text =
+      fmt::format("{}, rules \"{}\"\n", evaluation.suite.name, evaluation.rules.name);
+  std::size_t group = evaluation.suite.groups.size();
+  for (const Score& score : scores) {
+    if (score.group != group) {
+      group = score.group;
+      text += fmt::format("\n{}, {} cases\n{:<{}}  {:>9}  {:>11}  {:>7}  {:<23}  {:<23}  {:>14}\n",
+                          evaluation.suite.groups[group].name, score.cases, "policy", width,
+                          "success %", "collision %", "stuck %", "extra s: own successes",
+                          fmt::format("solved by all ({})", score.common.cases), "separation m");
+    }
+    text +=
+        fmt::format("{:<{}}  {:>9.1f}  {:>11.1f}  {:>7.1f}  {:<23}  {:<23}  {:>6.3f} {:>7.3f}\n",
+                    labelOf(evaluation.contestants[score.contestant].specification), width,
+                    100.0 * score.success_share, 100.0 * score.collision_share,
+                    100.0 * score.stuck_share, timesText(score.own), timesText(score.common),
+                    score.closest_separation_m, score.mean_closest_separation_m);
+  }
+  text +=
+      "\nextra s: mean / 75th / 90th percentile over cases of the mean extra time to goal\n"
+      "separation m: closest of all cases, and mean over cases of the closest, between edges\n";
+  if (evaluation.mix) {
+    text += fmt::format("mixed: {:.0f} % of the agents of every case run {} (seed {})\n",
+                        100.0 * evaluation.mix->share,
+                        labelOf(evaluation.mix->others.specification), evaluation.mix->seed);
+  }
+  text += "\nRules:\n";
+  for (const std::string& sentence : evaluation.rules.sentences()) {
+    text += "- " + sentence + "\n";
+  }
+  return text;
+}
+
+json summaryJson(const Evaluation& evaluation, const std::vector<Score>& scores) {
+  json rows = json::array();
+  for (const Score& score : scores) {
+    const CaseGroup& group = evaluation.suite.groups[score.group];
+    rows.push_back({{"policy", evaluation.contestants[score.contestant].specification},
+                    {"group", group.name},
+                    {"agents", group.cases.front().agents.size()},
+                    {"cases", score.cases},
+                    {"success", score.success_share},
+                    {"collision", score.collision_share},
+                    {"stuck", score.stuck_share},
+                    {"extra_time_s", timesJson(score.own)},
+                    {"extra_time_s_solved_by_all", timesJson(score.common)},
+                    {"closest_separation_m", finiteOrNull(score.closest_separation_m)},
+                    {"mean_closest_separation_m", finiteOrNull(score.mean_closest_separation_m)}});
+  }
+  return {{"suite", evaluation.suite.name},
+          {"rules", {{"name", evaluation.rules.name}, {"text", evaluation.rules.sentences()}}},
+          {"scores", rows}};
+}
+
+}  // namespace roundabout::learning

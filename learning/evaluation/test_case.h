@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace roundabout::learning {
+
+/// One agent of a test case. World frame.
+struct AgentSpec {
+  Eigen::Vector2d start_m{0.0, 0.0};
+  Eigen::Vector2d goal_m{0.0, 0.0};
+  double radius_m = 0.5;
+  double preferred_speed_mps = 1.0;
+};
+
+/// Agents that all begin at rest, heading toward their goals.
+struct TestCase {
+  std::vector<AgentSpec> agents;
+  /// Goals that are flown to afterwards, one after the other, in the order of the agents: places
+  /// and headings are kept, speeds and clocks start anew.
+  std::vector<std::vector<Eigen::Vector2d>> later_goals_m;
+};
+
+/// Cases that belong in one row of a table.
+struct CaseGroup {
+  std::string name;  ///< "4 agents"
+  std::vector<TestCase> cases;
+};
+
+}  // namespace roundabout::learning
