@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include <Eigen/Core>
@@ -15,33 +16,38 @@ template <int kOutputs>
 using Kernel = Eigen::Matrix<float, Eigen::Dynamic, kOutputs, Eigen::RowMajor>;
 
 /// output += input * kernel. Zero inputs cost nothing: after a ReLU that is about half of them.
-/// kernel: [kInputs, kOutputs].
+/// kernel: [inputs, kOutputs]. kInputs may be Eigen::Dynamic.
 template <int kInputs, int kOutputs>
 void addProduct(const Row<kInputs>& input, const Kernel<kOutputs>& kernel, Row<kOutputs>& output) {
-  // Without a branch, since which inputs are zero cannot be predicted.
-  std::array<int, kInputs> active;
-  int count = 0;
-  for (int i = 0; i < kInputs; ++i) {
-    active[count] = i;
-    count += input[i] != 0.0F ? 1 : 0;
-  }
-  // Four rows at a time, so that the output is loaded and stored a quarter as often.
-  int k = 0;
-  for (; k + 4 <= count; k += 4) {
-    output += input[active[k]] * kernel.row(active[k]) +
-              input[active[k + 1]] * kernel.row(active[k + 1]) +
-              input[active[k + 2]] * kernel.row(active[k + 2]) +
-              input[active[k + 3]] * kernel.row(active[k + 3]);
-  }
-  for (; k < count; ++k) {
-    output += input[active[k]] * kernel.row(active[k]);
+  constexpr int kBlock = kInputs == Eigen::Dynamic ? 128 : kInputs;
+  const int size = static_cast<int>(input.size());
+  std::array<int, kBlock> active;
+  for (int begin = 0; begin < size; begin += kBlock) {
+    // Without a branch, since which inputs are zero cannot be predicted.
+    int count = 0;
+    for (int i = begin; i < std::min(begin + kBlock, size); ++i) {
+      active[count] = i;
+      count += input[i] != 0.0F ? 1 : 0;
+    }
+    // Four rows at a time, so that the output is loaded and stored a quarter as often.
+    int k = 0;
+    for (; k + 4 <= count; k += 4) {
+      output += input[active[k]] * kernel.row(active[k]) +
+                input[active[k + 1]] * kernel.row(active[k + 1]) +
+                input[active[k + 2]] * kernel.row(active[k + 2]) +
+                input[active[k + 3]] * kernel.row(active[k + 3]);
+    }
+    for (; k < count; ++k) {
+      output += input[active[k]] * kernel.row(active[k]);
+    }
   }
 }
 
-/// A fully connected layer: y = x kernel + bias.
+/// A fully connected layer: y = x kernel + bias. With kInputs Eigen::Dynamic the kernel says how
+/// many inputs there are.
 template <int kInputs, int kOutputs>
 struct Dense {
-  Kernel<kOutputs> kernel = Kernel<kOutputs>::Zero(kInputs, kOutputs);
+  Kernel<kOutputs> kernel = Kernel<kOutputs>::Zero(std::max(kInputs, 0), kOutputs);
   Row<kOutputs> bias = Row<kOutputs>::Zero();
 
   void apply(const Row<kInputs>& input, Row<kOutputs>& output) const {

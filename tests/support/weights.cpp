@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/core/random.h"
-#include "planner/policies/ga3c_cadrl/weights.h"
 
 namespace roundabout::test {
 
@@ -16,9 +15,10 @@ planner::Normalisation unusualNormalisation() {
           .other_deviation = {4.0, 3.0, 2.0, 1.5, 0.5, 1.0, 6.0}};
 }
 
-planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed) {
+planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed, std::string_view architecture,
+                                        int max_others) {
   planner::nn::TensorFile file;
-  for (const planner::nn::TensorSpec& spec : planner::kGa3cCadrlTensors) {
+  for (const planner::nn::TensorSpec& spec : planner::ga3cCadrlTensors(architecture, max_others)) {
     core::RandomStream random(seed, spec.name);
     // Sums over the inputs come out near one, so that no unit saturates.
     const double deviation = spec.rows == 0 ? 0.1 : 1.5 / std::sqrt(spec.rows);
@@ -30,8 +30,9 @@ planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed) {
     }
     file.tensors.emplace(spec.name, std::move(tensor));
   }
-  file.metadata = planner::ga3cCadrlMetadata({.normalisation = unusualNormalisation(),
-                                              .max_others = 19,
+  file.metadata = planner::ga3cCadrlMetadata({.architecture = architecture,
+                                              .normalisation = unusualNormalisation(),
+                                              .max_others = max_others,
                                               .others_order = planner::OthersOrder::kClosestLast,
                                               .provenance = "random, for tests"});
   return file;

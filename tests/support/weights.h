@@ -2,9 +2,10 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "planner/nn/safetensors.h"
-#include "planner/policies/ga3c_cadrl/network.h"
+#include "planner/policies/ga3c_cadrl/weights.h"
 
 namespace roundabout::test {
 
@@ -12,7 +13,9 @@ namespace roundabout::test {
 planner::Normalisation unusualNormalisation();
 
 /// A valid GA3C-CADRL network that knows nothing: random parameters, the same for the same seed.
-planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed);
+planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed,
+                                        std::string_view architecture = planner::kLstmArchitecture,
+                                        int max_others = 19);
 
 /// Writes it as a weight file, for tests that need one and no reference data.
 void writeRandomGa3cCadrl(const std::string& path, std::uint64_t seed = 1);

@@ -5,21 +5,24 @@
 namespace roundabout::planner {
 
 Ga3cCadrlNetwork::Ga3cCadrlNetwork(std::shared_ptr<const Ga3cCadrlWeights> weights)
-    : weights_(std::move(weights)) {}
+    : weights_(std::move(weights)), joint_(weights_->layer1.kernel.rows()) {
+  others_.reserve(static_cast<std::size_t>(weights_->max_others));
+}
 
 Ga3cCadrlNetwork::Output Ga3cCadrlNetwork::evaluate(const Observation& observation) {
   const Weights& net = *weights_;
 
-  nn::LstmState<Weights::kUnits> state;
-  for (const OtherFeatures& features : observation.others) {
-    const Eigen::Map<const nn::Row<Weights::kOtherInputs>> other(features.data());
-    const nn::Row<Weights::kOtherInputs> input =
-        (other - net.other_mean).cwiseQuotient(net.other_deviation);
-    net.lstm.step(input, state);
-  }
-
   const Eigen::Map<const nn::Row<Weights::kEgoInputs>> ego(observation.ego.data());
-  joint_ << (ego - net.ego_mean).cwiseQuotient(net.ego_deviation), state.hidden;
+  joint_.head<Weights::kEgoInputs>() = (ego - net.ego_mean).cwiseQuotient(net.ego_deviation);
+  others_.clear();
+  for (const OtherFeatures& features : observation.others) {
+    const Eigen::Map<const OtherInput> other(features.data());
+    others_.emplace_back((other - net.other_mean).cwiseQuotient(net.other_deviation));
+  }
+  const Eigen::Index summary_size = joint_.size() - Weights::kEgoInputs;
+  std::visit([&](const auto& reader) { reader.read(others_, joint_.tail(summary_size)); },
+             net.others);
+
   net.layer1.applyRelu(joint_, wide_a_);
   net.layer2.applyRelu(wide_a_, wide_b_);
   net.layer3.applyRelu(wide_b_, wide_a_);

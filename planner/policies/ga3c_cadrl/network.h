@@ -2,10 +2,12 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
-#include "planner/nn/lstm.h"
+#include "planner/nn/dense.h"
 #include "planner/observation.h"
 #include "planner/policies/ga3c_cadrl/actions.h"
+#include "planner/policies/ga3c_cadrl/others_reader.h"
 
 namespace roundabout::planner {
 
@@ -17,23 +19,21 @@ struct Normalisation {
   std::array<double, kOtherFields.size()> other_deviation;
 };
 
-/// Topology and parameters of a GA3C-CADRL network with an LSTM (paper, section "Network
-/// Architecture"; layer sizes are the published networks'): an LSTM reads the others one by one;
-/// its last hidden state and the ego's fields pass three layers; two heads give the actions' scores
-/// and the value. Never changes once loaded: agents share it.
+/// Topology and parameters of a GA3C-CADRL network (paper, section "Approach"; layer sizes are the
+/// published code's): an LSTM or a shared layer sums up the others; this summary and the ego's
+/// fields pass three layers; two heads give the actions' scores and the value. Never changes once
+/// loaded: agents share it.
 struct Ga3cCadrlWeights {
   static constexpr int kEgoInputs = static_cast<int>(kEgoFields.size());
-  static constexpr int kOtherInputs = static_cast<int>(kOtherFields.size());
   static constexpr int kActionCount = static_cast<int>(kActions.size());
-  static constexpr int kUnits = 64;
   static constexpr int kWidth = 256;
 
   nn::Row<kEgoInputs> ego_mean, ego_deviation;
-  nn::Row<kOtherInputs> other_mean, other_deviation;
+  OtherInput other_mean, other_deviation;
   int max_others = 0;  ///< the most it was made to read
   OthersOrder others_order = OthersOrder::kClosestLast;
-  nn::Lstm<kOtherInputs, kUnits> lstm;
-  nn::Dense<kEgoInputs + kUnits, kWidth> layer1;
+  OthersReader others;
+  nn::Dense<Eigen::Dynamic, kWidth> layer1;  ///< inputs: the ego, then the summary of the others
   nn::Dense<kWidth, kWidth> layer2, layer3;
   nn::Dense<kWidth, kActionCount + 1> heads;  ///< the actions' scores, then the value
 };
@@ -49,6 +49,7 @@ class Ga3cCadrlNetwork {
 
   explicit Ga3cCadrlNetwork(std::shared_ptr<const Ga3cCadrlWeights> weights);
 
+  /// At most weights()->max_others others.
   Output evaluate(const Observation& observation);
 
   const std::shared_ptr<const Ga3cCadrlWeights>& weights() const { return weights_; }
@@ -57,7 +58,8 @@ class Ga3cCadrlNetwork {
   using Weights = Ga3cCadrlWeights;
 
   std::shared_ptr<const Weights> weights_;
-  nn::Row<Weights::kEgoInputs + Weights::kUnits> joint_;
+  std::vector<OtherInput> others_;
+  nn::Row<Eigen::Dynamic> joint_;
   nn::Row<Weights::kWidth> wide_a_, wide_b_;
   nn::Row<Weights::kActionCount + 1> heads_;
   nn::Row<Weights::kActionCount> probabilities_;

@@ -64,11 +64,67 @@ OthersOrder othersOrder(const nn::WeightFile& file, const std::string& key) {
   return *order;
 }
 
+std::string_view knownArchitecture(const nn::WeightFile& file) {
+  const std::string& found = file.text("architecture");
+  for (const std::string_view known : {kLstmArchitecture, kWeightSharingArchitecture}) {
+    if (found == known) {
+      return known;
+    }
+  }
+  file.failMetadata("architecture",
+                    fmt::format("\"{}\" or \"{}\"", kLstmArchitecture, kWeightSharingArchitecture),
+                    fmt::format("\"{}\"", found));
+}
+
+RecurrentReader recurrentReader(const nn::WeightFile& file) {
+  RecurrentReader reader;
+  const auto kernel = file.matrix("lstm/kernel");
+  reader.lstm.input_kernel = kernel.topRows<kOtherInputs>();
+  reader.lstm.hidden_kernel = kernel.bottomRows<kReaderUnits>();
+  reader.lstm.bias = file.matrix("lstm/bias");
+  reader.lstm.bias.segment<kReaderUnits>(2 * kReaderUnits).array() += kForgetBias;
+  return reader;
+}
+
+SharedReader sharedReader(const nn::WeightFile& file, const Ga3cCadrlWeights& weights) {
+  SharedReader reader;
+  reader.slots = weights.max_others;
+  file.fill(reader.slot_layer, "other");
+  // The published code fills empty slots with zeros before it normalises.
+  reader.nobody = (-weights.other_mean).cwiseQuotient(weights.other_deviation);
+  return reader;
+}
+
 }  // namespace
+
+std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int max_others) {
+  constexpr int kWidth = Ga3cCadrlWeights::kWidth;
+  const bool shared = architecture == kWeightSharingArchitecture;
+  const int summary = kReaderUnits * (shared ? max_others : 1);
+  std::vector<nn::TensorSpec> tensors = {
+      {"layer1/kernel", Ga3cCadrlWeights::kEgoInputs + summary, kWidth},
+      {"layer1/bias", 0, kWidth},
+      {"layer2/kernel", kWidth, kWidth},
+      {"layer2/bias", 0, kWidth},
+      {"layer3/kernel", kWidth, kWidth},
+      {"layer3/bias", 0, kWidth},
+      {"policy/kernel", kWidth, Ga3cCadrlWeights::kActionCount},
+      {"policy/bias", 0, Ga3cCadrlWeights::kActionCount},
+      {"value/kernel", kWidth, 1},
+      {"value/bias", 0, 1}};
+  if (shared) {
+    tensors.push_back({"other/kernel", kOtherInputs + 1, kReaderUnits});
+    tensors.push_back({"other/bias", 0, kReaderUnits});
+  } else {
+    tensors.push_back({"lstm/kernel", kOtherInputs + kReaderUnits, 4 * kReaderUnits});
+    tensors.push_back({"lstm/bias", 0, 4 * kReaderUnits});
+  }
+  return tensors;
+}
 
 std::map<std::string, std::string> ga3cCadrlMetadata(const Ga3cCadrlDescription& description) {
   const Normalisation& normalisation = description.normalisation;
-  return {{"architecture", std::string(kGa3cCadrlArchitecture)},
+  return {{"architecture", std::string(description.architecture)},
           {"format_version", std::string(kFormatVersion)},
           {"ego_fields", json(kEgoFields).dump()},
           {"ego_mean", json(normalisation.ego_mean).dump()},
@@ -86,27 +142,28 @@ std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile&
                                                            const std::string& path) {
   using Weights = Ga3cCadrlWeights;
   const nn::WeightFile file(tensors, path);
-  file.require("architecture", kGa3cCadrlArchitecture);
+  const std::string_view architecture = knownArchitecture(file);
   file.require("format_version", kFormatVersion);
   file.requireJson("ego_fields", kEgoFields);
   file.requireJson("other_fields", kOtherFields);
   requireActions(file, "actions");
   file.text("provenance");
-  file.requireTensors(kGa3cCadrlTensors, kGa3cCadrlArchitecture);
+  const int max_others = file.count("max_others", kMaxOthersLimit);
+  file.requireTensors(ga3cCadrlTensors(architecture, max_others), architecture);
 
   auto weights = std::make_shared<Weights>();
   weights->ego_mean = file.row<Weights::kEgoInputs>("ego_mean");
   weights->ego_deviation = file.row<Weights::kEgoInputs>("ego_deviation", true);
-  weights->other_mean = file.row<Weights::kOtherInputs>("other_mean");
-  weights->other_deviation = file.row<Weights::kOtherInputs>("other_deviation", true);
-  weights->max_others = file.count("max_others", kMaxOthersLimit);
+  weights->other_mean = file.row<kOtherInputs>("other_mean");
+  weights->other_deviation = file.row<kOtherInputs>("other_deviation", true);
+  weights->max_others = max_others;
   weights->others_order = othersOrder(file, "others_order");
 
-  const auto lstm_kernel = file.matrix("lstm/kernel");
-  weights->lstm.input_kernel = lstm_kernel.topRows<Weights::kOtherInputs>();
-  weights->lstm.hidden_kernel = lstm_kernel.bottomRows<Weights::kUnits>();
-  weights->lstm.bias = file.matrix("lstm/bias");
-  weights->lstm.bias.segment<Weights::kUnits>(2 * Weights::kUnits).array() += kForgetBias;
+  if (architecture == kWeightSharingArchitecture) {
+    weights->others = sharedReader(file, *weights);
+  } else {
+    weights->others = recurrentReader(file);
+  }
   file.fill(weights->layer1, "layer1");
   file.fill(weights->layer2, "layer2");
   file.fill(weights->layer3, "layer3");

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "planner/nn/weight_file.h"
 #include "planner/policies/ga3c_cadrl/network.h"
@@ -13,24 +13,16 @@
 
 namespace roundabout::planner {
 
-inline constexpr std::string_view kGa3cCadrlArchitecture = "ga3c_cadrl_lstm";
+/// With an LSTM, and with weights shared by all other agents.
+inline constexpr std::string_view kLstmArchitecture = "ga3c_cadrl_lstm";
+inline constexpr std::string_view kWeightSharingArchitecture = "ga3c_cadrl_ws";
 
-/// Kernels are [inputs, outputs].
-inline constexpr std::array<nn::TensorSpec, 12> kGa3cCadrlTensors = {{{"lstm/kernel", 71, 256},
-                                                                      {"lstm/bias", 0, 256},
-                                                                      {"layer1/kernel", 68, 256},
-                                                                      {"layer1/bias", 0, 256},
-                                                                      {"layer2/kernel", 256, 256},
-                                                                      {"layer2/bias", 0, 256},
-                                                                      {"layer3/kernel", 256, 256},
-                                                                      {"layer3/bias", 0, 256},
-                                                                      {"policy/kernel", 256, 11},
-                                                                      {"policy/bias", 0, 11},
-                                                                      {"value/kernel", 256, 1},
-                                                                      {"value/bias", 0, 1}}};
+/// The tensors of a file. Kernels are [inputs, outputs].
+std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int max_others);
 
 /// What a file says of its network beside the tensors.
 struct Ga3cCadrlDescription {
+  std::string_view architecture = kLstmArchitecture;
   Normalisation normalisation;
   int max_others = 0;
   OthersOrder others_order = OthersOrder::kClosestLast;  ///< that it was trained with

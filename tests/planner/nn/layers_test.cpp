@@ -55,6 +55,24 @@ TEST(Dense, EqualsTheTextbookFormulaWhateverInputsAreZero) {
   }
 }
 
+TEST(Dense, TakesAsManyInputsAsItsKernelHas) {
+  core::RandomStream random(2, "dense");
+  for (const int inputs : {1, 127, 128, 129, 300}) {
+    Dense<Eigen::Dynamic, 12> layer;
+    layer.kernel.resize(inputs, 12);
+    randomise(layer.kernel, random, 0.1);
+    randomise(layer.bias, random, 1.0);
+    Row<Eigen::Dynamic> input(inputs);
+    randomise(input, random, 1.0);
+    Row<12> output;
+    layer.apply(input, output);
+    const std::vector<double> expected = product<12>(input, layer.kernel, layer.bias);
+    for (int j = 0; j < 12; ++j) {
+      EXPECT_NEAR(output[j], expected[j], kTolerance) << inputs << " inputs, output " << j;
+    }
+  }
+}
+
 TEST(Dense, ReluReplacesNegativeOutputsByZero) {
   Dense<1, 3> layer;
   layer.kernel << 2.0F, -2.0F, 0.0F;

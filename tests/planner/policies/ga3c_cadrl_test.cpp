@@ -26,21 +26,20 @@ std::shared_ptr<const Ga3cCadrlWeights> randomWeights(std::uint64_t seed) {
 
 double sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
-// The features, normalised, and after them what an LSTM remembers.
+// The features, normalised, and after them `rest`.
 template <class Features, class Statistics>
 Numbers joined(const Features& features, const Statistics& mean, const Statistics& deviation,
-               const Numbers& hidden) {
-  Numbers numbers(features.size() + hidden.size());
+               const Numbers& rest) {
+  Numbers numbers(features.size() + rest.size());
   for (std::size_t i = 0; i < features.size(); ++i) {
     numbers[i] = (double{features[i]} - mean[i]) / deviation[i];
   }
-  for (std::size_t k = 0; k < hidden.size(); ++k) {
-    numbers[features.size() + k] = hidden[k];
-  }
+  std::copy(rest.begin(), rest.end(), numbers.begin() + features.size());
   return numbers;
 }
 
-// A network as NETWORK.md describes the published ones, with plain loops over a file's tensors.
+// A network as NETWORK.md and docs/formats/weights.md describe it, with plain loops over a file's
+// tensors.
 class PlainNetwork {
  public:
   explicit PlainNetwork(const nn::TensorFile& file) : file_(file) {}
@@ -48,21 +47,12 @@ class PlainNetwork {
   // The probabilities, then the value.
   Numbers evaluate(const Observation& observation) const {
     const Normalisation norm = test::unusualNormalisation();
-    Numbers hidden(64, 0.0);
-    Numbers cell(64, 0.0);
-    for (const OtherFeatures& other : observation.others) {
-      const Numbers gates =
-          layer("lstm", joined(other, norm.other_mean, norm.other_deviation, hidden));
-      for (std::size_t k = 0; k < 64; ++k) {
-        cell[k] =
-            sigmoid(gates[128 + k] + 1.0) * cell[k] + sigmoid(gates[k]) * std::tanh(gates[64 + k]);
-        hidden[k] = sigmoid(gates[192 + k]) * std::tanh(cell[k]);
-      }
-    }
-    Numbers wide = joined(observation.ego, norm.ego_mean, norm.ego_deviation, hidden);
+    Numbers wide =
+        joined(observation.ego, norm.ego_mean, norm.ego_deviation,
+               file_.metadata.at("architecture") == kLstmArchitecture ? lstm(observation.others)
+                                                                      : slots(observation.others));
     for (const char* name : {"layer1", "layer2", "layer3"}) {
-      wide = layer(name, wide);
-      std::for_each(wide.begin(), wide.end(), [](double& each) { each = std::max(each, 0.0); });
+      wide = relu(layer(name, wide));
     }
     Numbers result = layer("policy", wide);
     double sum = 0.0;
@@ -76,6 +66,45 @@ class PlainNetwork {
   }
 
  private:
+  // The last hidden state.
+  Numbers lstm(const std::vector<OtherFeatures>& others) const {
+    const Normalisation norm = test::unusualNormalisation();
+    Numbers hidden(64, 0.0);
+    Numbers cell(64, 0.0);
+    for (const OtherFeatures& other : others) {
+      const Numbers gates =
+          layer("lstm", joined(other, norm.other_mean, norm.other_deviation, hidden));
+      for (std::size_t k = 0; k < 64; ++k) {
+        cell[k] =
+            sigmoid(gates[128 + k] + 1.0) * cell[k] + sigmoid(gates[k]) * std::tanh(gates[64 + k]);
+        hidden[k] = sigmoid(gates[192 + k]) * std::tanh(cell[k]);
+      }
+    }
+    return hidden;
+  }
+
+  // What the shared layer makes of every slot. An empty one holds zeros, normalised like an agent,
+  // and is marked by a last input of 0 instead of 1.
+  Numbers slots(const std::vector<OtherFeatures>& others) const {
+    const Normalisation norm = test::unusualNormalisation();
+    Numbers all;
+    for (int slot = 0; slot < std::stoi(file_.metadata.at("max_others")); ++slot) {
+      const bool somebody = slot < static_cast<int>(others.size());
+      const OtherFeatures features =
+          somebody ? others[static_cast<std::size_t>(slot)] : OtherFeatures{};
+      const Numbers output =
+          relu(layer("other", joined(features, norm.other_mean, norm.other_deviation,
+                                     {somebody ? 1.0 : 0.0})));
+      all.insert(all.end(), output.begin(), output.end());
+    }
+    return all;
+  }
+
+  static Numbers relu(Numbers numbers) {
+    std::for_each(numbers.begin(), numbers.end(), [](double& each) { each = std::max(each, 0.0); });
+    return numbers;
+  }
+
   Numbers layer(const std::string& name, const Numbers& input) const {
     const nn::Tensor& kernel = file_.tensors.at(name + "/kernel");
     const nn::Tensor& bias = file_.tensors.at(name + "/bias");
@@ -91,13 +120,14 @@ class PlainNetwork {
   const nn::TensorFile& file_;
 };
 
-TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPass) {
-  const nn::TensorFile file = test::randomGa3cCadrl(3);
+void expectThePlainForwardPass(const nn::TensorFile& file) {
   const PlainNetwork plain(file);
   Ga3cCadrlNetwork network(toGa3cCadrlWeights(file, "random"));
+  const int max_others = network.weights()->max_others;
   core::RandomStream random(3, "scenes");
-  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
-  for (std::size_t num_others = 0; num_others <= 19; ++num_others) {
+  ObservationEncoder encoder(max_others, OthersOrder::kClosestLast);
+  for (std::size_t num_others = 0; num_others <= static_cast<std::size_t>(max_others);
+       ++num_others) {
     const Scene scene = randomScene(random, num_others, 5.0);
     const Observation& observation = encoder.encode(scene.ego, scene.others);
     const Ga3cCadrlNetwork::Output output = network.evaluate(observation);
@@ -111,6 +141,28 @@ TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPass) {
     EXPECT_EQ(output.best_action,
               std::max_element(expected.begin(), expected.end() - 1) - expected.begin());
   }
+}
+
+TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPass) {
+  expectThePlainForwardPass(test::randomGa3cCadrl(3));
+}
+
+TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPassWhenOthersShareWeights) {
+  for (const int slots : {3, 5, 7}) {
+    SCOPED_TRACE(slots);
+    expectThePlainForwardPass(test::randomGa3cCadrl(4, kWeightSharingArchitecture, slots));
+  }
+}
+
+TEST(Ga3cCadrlNetwork, TellsAnEmptySlotFromAnAgentOfZeros) {
+  const auto weights =
+      toGa3cCadrlWeights(test::randomGa3cCadrl(5, kWeightSharingArchitecture, 3), "shared");
+  Observation nobody;
+  Observation somebody;
+  somebody.others = {OtherFeatures{}};
+  Ga3cCadrlNetwork network(weights);
+  const float alone = network.evaluate(nobody).value;
+  EXPECT_NE(network.evaluate(somebody).value, alone);
 }
 
 TEST(Ga3cCadrlNetwork, AnswersAlikeForEveryAgentThatSharesItsWeights) {
@@ -220,8 +272,7 @@ TEST(Ga3cCadrl, FeedsTheOthersInTheOrderOfItsFile) {
   }
 }
 
-TEST(Ga3cCadrl, AllocatesNothingAfterTheFirstQuery) {
-  Ga3cCadrl policy(randomWeights(10));
+void expectNoAllocationAfterTheFirstQuery(Ga3cCadrl& policy) {
   core::RandomStream random(10, "scenes");
   std::vector<Scene> scenes;
   for (std::size_t num_others = 0; num_others <= 19; ++num_others) {
@@ -233,6 +284,28 @@ TEST(Ga3cCadrl, AllocatesNothingAfterTheFirstQuery) {
     policy.decide(scene.ego, scene.others);
   }
   EXPECT_EQ(test::allocationCount(), before);
+}
+
+TEST(Ga3cCadrl, AllocatesNothingAfterTheFirstQuery) {
+  Ga3cCadrl recurrent(randomWeights(10));
+  expectNoAllocationAfterTheFirstQuery(recurrent);
+  Ga3cCadrl shared(
+      toGa3cCadrlWeights(test::randomGa3cCadrl(10, kWeightSharingArchitecture, 5), "shared"));
+  expectNoAllocationAfterTheFirstQuery(shared);
+}
+
+TEST(Ga3cCadrl, SharedWeightsReadTheMostImportantOthersWhenThereIsNoRoomForAll) {
+  Ga3cCadrl policy(
+      toGa3cCadrlWeights(test::randomGa3cCadrl(13, kWeightSharingArchitecture, 3), "shared"));
+  core::RandomStream random(13, "scene");
+  Scene scene = randomScene(random, 3, 3.0);
+  const float expected = static_cast<float>(policy.decide(scene.ego, scene.others).value);
+  core::OtherAgent far;
+  far.position_world_m = {50.0, 50.0};
+  scene.others.push_back(far);
+  const Decision decision = policy.decide(scene.ego, scene.others);
+  EXPECT_EQ(decision.neighbours_used, 3);
+  EXPECT_EQ(decision.value, expected);
 }
 
 TEST(Ga3cCadrl, IsMadeFromAWeightFile) {

@@ -46,7 +46,7 @@ TEST_F(Ga3cCadrlWeightFile, SaysInWhichOrderItsNetworkIsFed) {
 }
 
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWithoutOneOfItsTensors) {
-  for (const nn::TensorSpec& spec : kGa3cCadrlTensors) {
+  for (const nn::TensorSpec& spec : ga3cCadrlTensors(kLstmArchitecture, 19)) {
     file_ = test::randomGa3cCadrl(1);
     file_.tensors.erase(std::string(spec.name));
     EXPECT_EQ(error(), "net.safetensors: tensor " + std::string(spec.name) + ": expected shape " +
@@ -68,6 +68,31 @@ TEST_F(Ga3cCadrlWeightFile, IsRefusedWithATensorTooMany) {
   EXPECT_THAT(error(), HasSubstr("tensor layer4/kernel: expected only tensors of ga3c_cadrl_lstm"));
 }
 
+TEST_F(Ga3cCadrlWeightFile, HoldsAsManySlotsAsItSaysWhenWeightsAreShared) {
+  // Room for 4, 6 and 8 agents: the ego and so many others.
+  for (const int slots : {3, 5, 7}) {
+    file_ = test::randomGa3cCadrl(1, kWeightSharingArchitecture, slots);
+    const auto weights = toGa3cCadrlWeights(file_, "net.safetensors");
+    EXPECT_EQ(weights->max_others, slots);
+    EXPECT_EQ(weights->layer1.kernel.rows(), 4 + 64 * slots);
+  }
+  file_.metadata["max_others"] = "5";
+  EXPECT_EQ(error(),
+            "net.safetensors: tensor layer1/kernel: expected shape [324, 256], found shape [452, "
+            "256]");
+}
+
+TEST_F(Ga3cCadrlWeightFile, IsRefusedWithTheTensorsOfTheOtherArchitecture) {
+  file_.metadata["architecture"] = kWeightSharingArchitecture;
+  file_.metadata["max_others"] = "1";
+  EXPECT_EQ(error(),
+            "net.safetensors: tensor other/kernel: expected shape [8, 64], found no such tensor");
+  file_ = test::randomGa3cCadrl(1, kWeightSharingArchitecture, 1);
+  file_.metadata["architecture"] = kLstmArchitecture;
+  EXPECT_EQ(error(),
+            "net.safetensors: tensor lstm/kernel: expected shape [71, 256], found no such tensor");
+}
+
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWithANumberThatIsNotFinite) {
   file_.tensors["layer2/kernel"].values[5] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(error(),
@@ -86,8 +111,8 @@ TEST_F(Ga3cCadrlWeightFile, IsRefusedWithoutOneOfItsMetadata) {
 
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWhenItIsForAnotherNetwork) {
   EXPECT_EQ(errorWith("architecture", "drl_maca"),
-            "net.safetensors: metadata architecture: expected \"ga3c_cadrl_lstm\", found "
-            "\"drl_maca\"");
+            "net.safetensors: metadata architecture: expected \"ga3c_cadrl_lstm\" or "
+            "\"ga3c_cadrl_ws\", found \"drl_maca\"");
   EXPECT_THAT(errorWith("format_version", "2"), HasSubstr("expected \"1\", found \"2\""));
 }
 

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <variant>
+
+#include "planner/nn/lstm.h"
+#include "planner/observation.h"
+
+namespace roundabout::planner {
+
+inline constexpr int kOtherInputs = static_cast<int>(kOtherFields.size());
+/// Units that read one other agent.
+inline constexpr int kReaderUnits = 64;
+
+/// One other agent, normalised.
+using OtherInput = nn::Row<kOtherInputs>;
+/// What a reader makes of all others: as many numbers for any number of them.
+using Summary = Eigen::Ref<nn::Row<Eigen::Dynamic>>;
+
+/// Reads the others one by one; the summary is the last hidden state (paper, section "Handling a
+/// Variable Number of Agents").
+struct RecurrentReader {
+  nn::Lstm<kOtherInputs, kReaderUnits> lstm;
+
+  void read(std::span<const OtherInput> others, Summary summary) const;
+};
+
+/// Reads every slot with the same layer; the summary is what comes out of all slots (the paper's
+/// networks "WS", as in mit-acl/rl_collision_avoidance).
+struct SharedReader {
+  int slots = 0;                                         ///< room for as many others
+  nn::Dense<kOtherInputs + 1, kReaderUnits> slot_layer;  ///< last input: 1 if somebody is there
+  OtherInput nobody = OtherInput::Zero();                ///< stands in an empty slot
+
+  /// Others beyond the last slot are not read.
+  void read(std::span<const OtherInput> others, Summary summary) const;
+};
+
+using OthersReader = std::variant<RecurrentReader, SharedReader>;
+
+}  // namespace roundabout::planner
