@@ -140,17 +140,39 @@ TEST_F(Fly, LandsAllWhenAMissionEndsInTheAir) {
   EXPECT_LT(heightOf("hex2"), 0.1);
 }
 
-TEST_F(Fly, SaysHowItWentAlthoughItCannotDraw) {
-  const std::filesystem::path programs = scratch_ / "programs";
-  std::filesystem::create_directory(programs);
-  std::filesystem::create_symlink("/usr/bin/lcm-logger", programs / "lcm-logger");
-  const Ended flight =
-      run("env", {"PATH=" + programs.string(), std::string(ROUNDABOUT_BIN_DIR) + "/roundabout",
+/// On a machine of its own making: only what is in a folder can be found.
+class FlyWithoutGnuplot : public Fly {
+ protected:
+  FlyWithoutGnuplot() {
+    std::filesystem::create_directory(programs_);
+    std::filesystem::create_symlink("/usr/bin/lcm-logger", programs_ / "lcm-logger");
+  }
+
+  cli::ChildProcess& startThere() {
+    return start("env",
+                 {"PATH=" + programs_.string(), std::string(ROUNDABOUT_BIN_DIR) + "/roundabout",
                   "fly", twoSwap(), "--lcm-url", url(), "--out", out().string()});
+  }
+
+  const std::filesystem::path programs_ = scratch_ / "programs";
+};
+
+TEST_F(FlyWithoutGnuplot, SaysHowItWentAlthoughItCannotDraw) {
+  const Ended flight = finish(startThere());
   EXPECT_TRUE(flight.status.clean()) << flight.status.describe();
   EXPECT_THAT(flight.lines, Contains(HasSubstr("SUCCESS")));
   EXPECT_THAT(flight.lines, Contains(HasSubstr("gnuplot")));
   EXPECT_TRUE(std::filesystem::exists(out() / "metrics.json"));
+}
+
+TEST_F(FlyWithoutGnuplot, EndsTheReportOnCtrlC) {
+  std::ofstream(programs_ / "gnuplot")
+      << "#!/bin/sh\nwhile kill -0 $PPID 2>/dev/null; do /bin/sleep 0.01; done\n";
+  std::filesystem::permissions(programs_ / "gnuplot", std::filesystem::perms::owner_all);
+  cli::ChildProcess& flight = startThere();
+  waitUntil("the report", [this] { return std::filesystem::exists(out() / "metrics.json"); });
+  flight.signal(SIGINT);
+  EXPECT_EQ(finish(flight).status.signal, SIGINT);
 }
 
 TEST_F(Fly, EndsAtOnceOnASecondCtrlC) {
