@@ -261,7 +261,8 @@ TEST_F(HostileMessages, AreRejectedAndCountedAndTheFlightGoesOn) {
 class Push : public FlightLab {};
 
 TEST_F(Push, TowardTheEdgeOfTheRoomIsAnsweredBeforeIt) {
-  // hex1 flies along the wall at y = -2, which its body must not touch, and is pushed toward it.
+  // hex1 flies along the wall at y = -2, which its body must not touch, and is pushed toward it and
+  // back: speeding up again has to wait until it has braked in front of the wall.
   const std::string file = write("push.yaml", R"(name: push
 room: {min_m: [-5, -2, 0], max_m: [5, 3, 3]}
 vehicles:
@@ -269,7 +270,7 @@ vehicles:
 sim:
   start_area: {min_m: [-4, -1], max_m: [4, 2]}
   pushes:
-    - {vehicle: hex1, at_s: 6.0, duration_s: 0.5, acceleration_mps2: [0, -2.5]}
+    - {vehicle: hex1, at_s: 6.0, duration_s: 0.5, acceleration_mps2: [-1.5, -2.5]}
 mission:
   - take_off
   - formation: {name: along, points: [[4, -1.2]], seconds: 0.5}
