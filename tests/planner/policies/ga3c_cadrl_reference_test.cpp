@@ -4,8 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,6 +14,7 @@
 #include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
 #include "planner/policies/ga3c_cadrl/weights.h"
 #include "planner/policy_tools/import_checkpoint.h"
+#include "tests/planner/policies/recorded_flights.h"
 #include "tests/support/reference.h"
 
 namespace roundabout::planner {
@@ -67,94 +66,25 @@ TEST_F(PublishedNetwork, GivesTheGoldenOutputsOfItsFirstPhase) {
   expectGolden("gym_jzuhlntn_01490000", "network_01490000");
 }
 
-// Rows of a table of numbers, as column title to value.
-std::vector<std::map<std::string, double>> readTable(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  std::vector<std::string> titles;
-  std::istringstream title_cells(line);
-  for (std::string cell; std::getline(title_cells, cell, ',');) {
-    titles.push_back(cell);
-  }
-  std::vector<std::map<std::string, double>> rows;
-  while (std::getline(file, line)) {
-    std::istringstream cells(line);
-    auto& row = rows.emplace_back();
-    for (const std::string& title : titles) {
-      std::string cell;
-      std::getline(cells, cell, ',');
-      row[title] = std::stod(cell);
-    }
-  }
-  return rows;
-}
-
-struct Sample {
-  core::EgoAgent agent;
-  bool done = false;
-};
-
-// [case][step][agent]
-using Flights = std::map<int, std::map<int, std::map<int, Sample>>>;
-
-// Goals, radii and speeds come from the cases, everything else from the trajectories.
-Flights readFlights(int num_agents) {
-  const std::string n = std::to_string(num_agents);
-  const std::filesystem::path folder = test::referenceFolder();
-  std::map<std::pair<int, int>, core::EgoAgent> agents;
-  for (auto& row : readTable(folder / "test_cases" / (n + "_agents_500_cases.csv"))) {
-    core::EgoAgent agent;
-    agent.goal_world_m = {row["goal_x"], row["goal_y"]};
-    agent.radius_m = row["radius"];
-    agent.preferred_speed_mps = row["pref_speed"];
-    agents[{static_cast<int>(row["case"]), static_cast<int>(row["agent"])}] = agent;
-  }
-  Flights flights;
-  for (auto& row : readTable(folder / "trajectories" / ("GA3C-CADRL-10_n" + n + ".csv"))) {
-    const int number = static_cast<int>(row["case"]);
-    const int agent = static_cast<int>(row["agent"]);
-    Sample sample;
-    sample.agent = agents.at({number, agent});
-    sample.agent.position_world_m = {row["x"], row["y"]};
-    sample.agent.velocity_world_mps = {row["vx"], row["vy"]};
-    sample.agent.heading_world_rad = row["heading"];
-    sample.done = row["at_goal"] + row["in_collision"] + row["timed_out"] > 0.0;
-    flights[number][static_cast<int>(row["step"])][agent] = sample;
-  }
-  return flights;
-}
-
 // The published environment flew what the policy decides here, whenever the agent still flew.
 void expectPublishedFlights(Policy& policy, int num_agents) {
   int compared = 0;
-  for (const auto& [number, flight] : readFlights(num_agents)) {
-    for (const auto& [step, samples] : flight) {
-      const auto next = flight.find(step + 1);
-      if (next == flight.end()) {
-        continue;
-      }
-      for (const auto& [index, sample] : samples) {
-        if (sample.done) {
+  for (const auto& [number, flight] :
+       readFlights(test::referenceFolder(), "GA3C-CADRL-10", num_agents)) {
+    for (std::size_t step = 0; step + 1 < flight.size(); ++step) {
+      for (std::size_t self = 0; self < flight[step].size(); ++self) {
+        if (flight[step][self].done) {
           continue;
         }
-        std::vector<core::OtherAgent> others;
-        for (const auto& [other_index, other] : samples) {
-          if (other_index != index) {
-            others.push_back({other.agent.position_world_m, other.agent.velocity_world_mps,
-                              other.agent.radius_m});
-          }
-        }
-        const Decision decision = policy.decide(sample.agent, others);
-        const core::EgoAgent& flown = next->second.at(index).agent;
-        const double turned_rad =
-            core::wrapToPi(flown.heading_world_rad - sample.agent.heading_world_rad);
-        const double speed_mps =
-            (flown.position_world_m - sample.agent.position_world_m).norm() / 0.1;
+        const core::EgoAgent& now = flight[step][self].agent;
+        const core::EgoAgent& next = flight[step + 1][self].agent;
+        const Decision decision = policy.decide(now, othersOf(flight[step], self));
+        const double turned_rad = core::wrapToPi(next.heading_world_rad - now.heading_world_rad);
+        const double speed_mps = (next.position_world_m - now.position_world_m).norm() / 0.1;
         EXPECT_NEAR(turned_rad, decision.heading_change_rad, 1e-5)
-            << "case " << number << ", step " << step << ", agent " << index;
+            << "case " << number << ", step " << step << ", agent " << self;
         EXPECT_NEAR(speed_mps, decision.speed_mps, 1e-5)
-            << "case " << number << ", step " << step << ", agent " << index;
+            << "case " << number << ", step " << step << ", agent " << self;
         ++compared;
       }
     }
