@@ -43,6 +43,7 @@ void describe(Visitor& visit, Vehicle& vehicle) {
 template <class Visitor>
 void describe(Visitor& visit, Orca& orca) {
   visit("time_horizon_s", orca.time_horizon_s, above(0.0));
+  visit("obstacle_horizon_s", orca.obstacle_horizon_s, above(0.0));
   visit("radius_factor", orca.radius_factor, above(0.0));
   visit("max_heading_change_rad", orca.max_heading_change_rad, above(0.0));
   visit("time_step_s", orca.time_step_s, above(0.0));
@@ -121,7 +122,7 @@ void describe(Visitor& visit, Dropout& dropout) {
 
 template <class Visitor>
 void describe(Visitor& visit, MocapModel& mocap) {
-  visit("rate_hz", mocap.rate_hz, between(1.0, 1000.0));
+  visit("rate_hz", mocap.rate_hz, between(5.0, 1000.0));  // core::FrameGate passes no slower one
   visit("position_noise_m", mocap.position_noise_m, atLeast(0.0));
   visit("orientation_noise_rad", mocap.orientation_noise_rad, atLeast(0.0));
   visit("latency_s", mocap.latency_s, between(0.0, 1.0));

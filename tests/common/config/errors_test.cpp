@@ -215,7 +215,7 @@ TEST(ConfigError, NumbersThatAreNotFinite) {
 
 TEST(ConfigError, RateOutsideARange) {
   EXPECT_EQ(errorBelow("sim: {mocap: {rate_hz: 5000}}\n"),
-            "lab.yaml:2: sim.mocap.rate_hz: expected a number from 1 to 1000, found 5000");
+            "lab.yaml:2: sim.mocap.rate_hz: expected a number from 5 to 1000, found 5000");
 }
 
 TEST(ConfigError, UnknownPacing) {
