@@ -37,6 +37,18 @@ struct Extent {
   std::string name;
 };
 
+/// The stored numbers in single precision.
+template <class Stored>
+std::vector<float> numbersOf(std::string_view bytes) {
+  std::vector<float> numbers(bytes.size() / sizeof(Stored));
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    Stored number;
+    std::memcpy(&number, bytes.data() + i * sizeof(Stored), sizeof(Stored));
+    numbers[i] = static_cast<float>(number);
+  }
+  return numbers;
+}
+
 class Reader {
  public:
   explicit Reader(std::string path) : path_(std::move(path)) {}
@@ -128,8 +140,9 @@ class Reader {
         fail(what, "an entry with dtype, shape and data_offsets", entry.dump());
       }
     }
-    if (entry["dtype"] != "F32") {
-      fail(what, "dtype \"F32\"", entry["dtype"].dump());
+    const bool is_double = entry["dtype"] == "F64";
+    if (!is_double && entry["dtype"] != "F32") {
+      fail(what, "dtype \"F32\" or \"F64\"", entry["dtype"].dump());
     }
     if (!isListOfSizes(entry["shape"])) {
       fail(what, "a shape of numbers from 0 on", entry["shape"].dump());
@@ -148,12 +161,15 @@ class Reader {
       // Any count beyond the data's is wrong: stop before it overflows.
       count = std::min<std::uint64_t>(count, data_.size() + 1) * static_cast<std::uint64_t>(size);
     }
-    if (bytes % sizeof(float) != 0 || count != bytes / sizeof(float)) {
-      fail(what, "4 bytes for each number of shape " + shapeText(tensor.shape),
+    const std::uint64_t number_bytes = is_double ? sizeof(double) : sizeof(float);
+    if (bytes % number_bytes != 0 || count != bytes / number_bytes) {
+      fail(what,
+           fmt::format("{} bytes for each number of shape {}", number_bytes,
+                       shapeText(tensor.shape)),
            fmt::format("{} bytes", bytes));
     }
-    tensor.values.resize(count);
-    std::copy_n(data_.data() + extent.begin, bytes, reinterpret_cast<char*>(tensor.values.data()));
+    const std::string_view content = data_.substr(extent.begin, bytes);
+    tensor.values = is_double ? numbersOf<double>(content) : numbersOf<float>(content);
     return extent;
   }
 

@@ -19,9 +19,10 @@ struct TensorFile {
   std::map<std::string, Tensor> tensors;
 };
 
-/// Reads a safetensors file whose tensors are all F32. Throws core::StartupError naming the tensor
-/// if the file is missing or truncated, its header is no JSON or too large, or a tensor's type,
-/// shape or place does not fit: the tensors have to fill the data without overlap, gap or rest.
+/// Reads a safetensors file whose tensors are F32, or F64, which is rounded. Throws
+/// core::StartupError naming the tensor if the file is missing or truncated, its header is no JSON
+/// or too large, or a tensor's type, shape or place does not fit: the tensors have to fill the data
+/// without overlap, gap or rest.
 TensorFile readSafetensors(const std::string& path);
 
 /// Writes `file` to `path`, whole or not at all. Throws core::StartupError if it cannot.

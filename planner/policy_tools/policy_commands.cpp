@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/nn/safetensors.h"
+#include "planner/policies/cadrl/published.h"
 #include "planner/policy_tools/import_checkpoint.h"
 #include "planner/policy_tools/info.h"
 #include "planner/policy_tools/query.h"
@@ -14,29 +15,37 @@ namespace roundabout::planner {
 
 namespace {
 
+nn::TensorFile importPublished(const std::string& path, OthersOrder order) {
+  return path.ends_with(".safetensors") ? importPublishedCadrl(nn::readSafetensors(path), path)
+                                        : importCheckpoint(path, order);
+}
+
 void addImport(CLI::App& policy) {
   struct Arguments {
-    std::string prefix;
+    std::string published;
     std::string output;
     std::string order = std::string(nameOf(OthersOrder::kClosestLast));
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      policy.add_subcommand("import", "Turn a published TensorFlow checkpoint into a weight file");
-  command->add_option("CHECKPOINT_PREFIX", arguments->prefix, "Its path without \".index\"")
+      policy.add_subcommand("import", "Turn a published network into a weight file");
+  command
+      ->add_option("PUBLISHED", arguments->published,
+                   "A TensorFlow checkpoint without \".index\", or SA-CADRL's .safetensors")
       ->required();
   command->add_option("-o,--output", arguments->output, "FILE.safetensors")->required();
   const auto orders = othersOrderNames();
   command
-      ->add_option("--order", arguments->order,
-                   "In which order the network is fed the others; the published ones were trained "
-                   "closest_last")
+      ->add_option(
+          "--order", arguments->order,
+          "In which order a checkpoint's network is fed the others; the published ones were "
+          "trained closest_last")
       ->check(CLI::IsMember(std::vector<std::string>(orders.begin(), orders.end())))
       ->capture_default_str();
   command->callback([arguments] {
     nn::writeSafetensors(
         arguments->output,
-        importCheckpoint(arguments->prefix, othersOrderNamed(arguments->order).value()));
+        importPublished(arguments->published, othersOrderNamed(arguments->order).value()));
   });
 }
 

@@ -1,5 +1,6 @@
 #include "planner/nn/safetensors.h"
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -137,7 +138,19 @@ TEST_F(Safetensors, NamesTheTensorWhoseEntryIsIncomplete) {
 
 TEST_F(Safetensors, NamesTheTensorOfAnotherType) {
   writeRaw("{\"a\":" + tensor("[2]", "[0,4]", "F16") + "}", 4);
-  EXPECT_THAT(errorOfReading(), HasSubstr("tensor a: expected dtype \"F32\", found \"F16\""));
+  EXPECT_THAT(errorOfReading(),
+              HasSubstr("tensor a: expected dtype \"F32\" or \"F64\", found \"F16\""));
+}
+
+TEST_F(Safetensors, RoundsDoublesToSinglePrecision) {
+  writeRaw("{\"a\":" + tensor("[2]", "[0,16]", "F64") + "}", 0);
+  const std::array<double, 2> numbers = {-2.5, 0.1};
+  std::ofstream(path_, std::ios::binary | std::ios::app)
+      .write(reinterpret_cast<const char*>(numbers.data()), sizeof(numbers));
+  EXPECT_EQ(readSafetensors(path_).tensors.at("a").values, (std::vector{-2.5F, 0.1F}));
+
+  writeRaw("{\"a\":" + tensor("[2]", "[0,8]", "F64") + "}", 8);
+  EXPECT_THAT(errorOfReading(), HasSubstr("tensor a: expected 8 bytes for each number"));
 }
 
 TEST_F(Safetensors, NamesTheTensorWhoseShapeIsNoShape) {

@@ -11,6 +11,7 @@
 #include "planner/policies/table.h"
 #include "tests/planner/policies/random_scene.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/cadrl_weights.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/weights.h"
 
@@ -46,6 +47,10 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
     if (GetParam() == "ga3c_cadrl") {
       const std::string weights = folder_ / "weights.safetensors";
       test::writeRandomGa3cCadrl(weights);
+      specification_ += ":" + weights;
+    } else if (GetParam() == "cadrl") {
+      const std::string weights = folder_ / "weights.safetensors";
+      nn::writeSafetensors(weights, test::randomCadrl());
       specification_ += ":" + weights;
     }
   }
@@ -206,6 +211,9 @@ Scene moved(const Scene& scene, double angle_rad, const Vector2d& shift_m) {
 }
 
 TEST_P(PolicyContract, WorldFrameDoesNotMatter) {
+  if (GetParam() == "cadrl") {
+    GTEST_SKIP() << "the published code uses the world's x axis; see docs/policies.md";
+  }
   const auto policy = make();
   forManyScenes([&](const Scene& scene, core::RandomStream& random) {
     policy->reset();

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/policy_tools/query.h"
+#include "tests/support/cadrl_weights.h"
 #include "tests/support/reference.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/startup_error.h"
@@ -55,6 +56,18 @@ TEST_F(PolicyCommands, ImportDeclaresTheOrderThatItIsTold) {
   EXPECT_EQ(nn::readSafetensors(weights_).metadata.at("others_order"), "closest_last");
   run("policy import " + prefix + " --order closest_first -o " + weights_);
   EXPECT_EQ(nn::readSafetensors(weights_).metadata.at("others_order"), "closest_first");
+}
+
+TEST_F(PolicyCommands, ImportTakesAPublishedSaCadrlNetwork) {
+  const std::string published = folder_ / "published.safetensors";
+  nn::writeSafetensors(published, test::randomPublishedCadrl());
+  run("policy import " + published + " -o " + weights_);
+  CaptureStdout();
+  run("policy info " + weights_);
+  EXPECT_THAT(GetCapturedStdout(),
+              AllOf(HasSubstr("architecture      sa_cadrl_value\n"),
+                    HasSubstr("provenance        imported from published.safetensors\n"),
+                    HasSubstr("layer1/other_from_other [8, 50]          400\n")));
 }
 
 TEST_F(PolicyCommands, InfoSaysWhatTheFileHolds) {

@@ -1,0 +1,226 @@
+// Against flights of the published environment (reference/trajectories, reference/outcomes), with
+// the published network.
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "common/core/angles.h"
+#include "planner/policies/cadrl/cadrl.h"
+#include "tests/planner/policies/recorded_flights.h"
+#include "tests/support/reference.h"
+
+namespace roundabout::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kStepS = 0.1;
+
+std::filesystem::path publishedNetwork() {
+  return test::referenceFolder() / "cadrl" / "no_constr_none_4_agents_policy_iter_1000.safetensors";
+}
+
+std::unique_ptr<Policy> makePublished() {
+  PolicyOptions options;
+  options.weights = publishedNetwork();
+  return makeCadrl(options);
+}
+
+class CadrlReference : public ::testing::TestWithParam<int> {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(publishedNetwork())) {
+      GTEST_SKIP() << "no published network at " << publishedNetwork();
+    }
+  }
+};
+
+using CadrlRecorded = CadrlReference;
+
+TEST_P(CadrlRecorded, EveryRecordedStepIsRepeated) {
+  const auto policy = makePublished();
+  int steps = 0;
+  int repeated = 0;
+  for (const auto& [case_number, flight] :
+       readFlights(test::referenceFolder(), "CADRL", GetParam())) {
+    for (std::size_t self = 0; self < flight[0].size(); ++self) {
+      policy->reset();
+      for (std::size_t step = 0; step + 1 < flight.size() && !flight[step][self].done; ++step) {
+        const core::EgoAgent& now = flight[step][self].agent;
+        const core::EgoAgent& next = flight[step + 1][self].agent;
+        const Decision decision = policy->decide(now, othersOf(flight[step], self));
+        const double heading = now.heading_world_rad + decision.heading_change_rad;
+        const Vector2d position =
+            now.position_world_m +
+            kStepS * decision.speed_mps * Vector2d(std::cos(heading), std::sin(heading));
+        // Actions were stored in single precision.
+        const bool same = (position - next.position_world_m).norm() < 1e-6 &&
+                          std::abs(core::wrapToPi(heading - next.heading_world_rad)) < 1e-6;
+        EXPECT_TRUE(same) << "case " << case_number << " step " << step << " agent " << self;
+        ++steps;
+        repeated += same ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(steps, 350);
+  std::cout << repeated << " of " << steps << " recorded decisions repeated\n";
+}
+
+INSTANTIATE_TEST_SUITE_P(PublishedCases, CadrlRecorded, ::testing::Values(2, 4));
+
+// One case by the rules of reference/test_cases/RULES.md.
+class Episode {
+ public:
+  explicit Episode(const std::vector<core::EgoAgent>& start) {
+    const auto policy = makePublished();
+    for (const core::EgoAgent& ego : start) {
+      const double way_m = (ego.goal_world_m - ego.position_world_m).norm();
+      agents_.push_back({ego, policy->twin(), (way_m - kGoalM) / ego.preferred_speed_mps});
+    }
+  }
+
+  void run() {
+    while (!std::all_of(agents_.begin(), agents_.end(), [](const Agent& a) { return a.done(); })) {
+      step();
+    }
+  }
+
+  std::string outcome() const {
+    const auto any = [&](auto is) { return std::any_of(agents_.begin(), agents_.end(), is); };
+    return any([](const Agent& a) { return a.collided; })   ? "collision"
+           : any([](const Agent& a) { return !a.at_goal; }) ? "stuck"
+                                                            : "all_at_goal";
+  }
+
+  double meanExtraTime() const {
+    return std::accumulate(
+               agents_.begin(), agents_.end(), 0.0,
+               [](double sum, const Agent& a) { return sum + a.time_s - a.straight_s; }) /
+           static_cast<double>(agents_.size());
+  }
+
+ private:
+  static constexpr double kGoalM = 0.2;
+  static constexpr double kMostTimes = 8.0;
+
+  struct Agent {
+    core::EgoAgent ego;
+    std::unique_ptr<Policy> policy;
+    double straight_s;
+    double time_s = 0.0;
+    bool at_goal = false;
+    bool collided = false;
+    bool timed_out = false;
+
+    bool done() const { return at_goal || collided || timed_out; }
+  };
+
+  void step() {
+    std::vector<Decision> decisions;
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      decisions.push_back(agents_[i].done() ? Decision{}
+                                            : agents_[i].policy->decide(agents_[i].ego, others(i)));
+    }
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      move(agents_[i], decisions[i]);
+    }
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      for (std::size_t j = i + 1; j < agents_.size(); ++j) {
+        touch(agents_[i], agents_[j]);
+      }
+    }
+  }
+
+  std::vector<core::OtherAgent> others(std::size_t self) const {
+    std::vector<core::OtherAgent> result;
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      const core::EgoAgent& other = agents_[i].ego;
+      if (i != self) {
+        result.push_back({other.position_world_m, other.velocity_world_mps, other.radius_m,
+                          static_cast<int>(i)});
+      }
+    }
+    return result;
+  }
+
+  static void move(Agent& agent, const Decision& decision) {
+    core::EgoAgent& ego = agent.ego;
+    if (agent.done()) {
+      ego.velocity_world_mps.setZero();
+      return;
+    }
+    const auto single = [](double value) { return double{static_cast<float>(value)}; };
+    ego.heading_world_rad =
+        core::wrapToPi(ego.heading_world_rad + single(decision.heading_change_rad));
+    ego.velocity_world_mps = single(decision.speed_mps) * Vector2d(std::cos(ego.heading_world_rad),
+                                                                   std::sin(ego.heading_world_rad));
+    ego.position_world_m += kStepS * ego.velocity_world_mps;
+    agent.at_goal = (ego.position_world_m - ego.goal_world_m).squaredNorm() <= kGoalM * kGoalM;
+    agent.time_s += kStepS;
+    agent.timed_out = kMostTimes * agent.straight_s - agent.time_s <= 0.0;
+  }
+
+  static void touch(Agent& a, Agent& b) {
+    const double distance_m = (a.ego.position_world_m - b.ego.position_world_m).norm();
+    if (distance_m <= a.ego.radius_m + b.ego.radius_m) {
+      a.collided = a.collided || !a.at_goal;
+      b.collided = b.collided || !b.at_goal;
+    }
+  }
+
+  std::vector<Agent> agents_;
+};
+
+TEST_P(CadrlReference, PublishedCasesEndAsPublished) {
+  const std::filesystem::path outcomes = test::referenceFolder() / "outcomes" /
+                                         ("SACADRL_" + std::to_string(GetParam()) + "_agents.csv");
+  std::ifstream published(outcomes);
+  std::string line;
+  std::getline(published, line);
+  int cases = 0;
+  int same = 0;
+  int successes = 0;
+  int published_successes = 0;
+  double extra_s = 0.0;
+  double published_extra_s = 0.0;
+  for (const auto& start : readCases(test::referenceFolder(), GetParam())) {
+    std::string number, outcome, steps, extra;
+    std::getline(
+        std::getline(std::getline(std::getline(published, number, ','), outcome, ','), steps, ','),
+        extra);
+    ASSERT_EQ(number, std::to_string(cases));
+    ++cases;
+    Episode episode(start);
+    episode.run();
+    const bool success = episode.outcome() == "all_at_goal";
+    const bool published_success = outcome == "all_at_goal";
+    successes += success ? 1 : 0;
+    published_successes += published_success ? 1 : 0;
+    extra_s += success ? episode.meanExtraTime() : 0.0;
+    published_extra_s += published_success ? std::stod(extra) : 0.0;
+    const bool agrees = episode.outcome() == outcome &&
+                        (!success || std::abs(episode.meanExtraTime() - std::stod(extra)) < 2e-3);
+    same += agrees ? 1 : 0;
+    if (!agrees) {
+      std::cout << "case " << number << ": " << episode.outcome() << " " << episode.meanExtraTime()
+                << " s, published " << outcome << " " << extra << " s\n";
+    }
+  }
+  std::cout << same << " of " << cases << " cases as published; success " << successes
+            << ", published " << published_successes << "; mean extra time " << extra_s / successes
+            << " s, published " << published_extra_s / published_successes << " s\n";
+  EXPECT_EQ(cases, 500);
+  EXPECT_NEAR(successes, published_successes, 0.02 * cases);
+  EXPECT_NEAR(extra_s / successes / (published_extra_s / published_successes), 1.0, 0.05);
+  // Single precision decides a few near ties the other way.
+  EXPECT_GE(same, cases * 97 / 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(PublishedCases, CadrlReference, ::testing::Values(2, 3, 4));
+
+}  // namespace
+}  // namespace roundabout::planner
