@@ -43,7 +43,7 @@ Vector2d reckonedVelocity(const core::OtherAgent& other, const core::EgoAgent& e
   return other.velocity_world_mps - factor / 2.0 * own_velocity;
 }
 
-/// Smallest norm of offset + time * velocity for 0 < time <= duration.
+/// Norm of offset + time * velocity at its minimum within the duration, else at its end.
 double closestApproach(const Vector2d& offset, const Vector2d& velocity, double duration) {
   const double end = (offset + duration * velocity).norm();
   const double squared_speed = velocity.squaredNorm();

@@ -119,13 +119,12 @@ TEST(CadrlEncounter, ComesAsCloseAsTheSampledWay) {
         continue;
       }
       const Encounter encounter = encounterWith(other, ego, candidate, kDurationS);
-      double closest = 1e9;
-      for (int k = 1; k <= kSamples; ++k) {
-        const double time_s = kDurationS * k / kSamples;
-        closest =
-            std::min(closest, (other.position_world_m - ego.position_world_m +
-                               time_s * (other.velocity_world_mps - candidate.velocity_world_mps))
-                                  .norm());
+      const Vector2d offset = other.position_world_m - ego.position_world_m;
+      const Vector2d velocity = other.velocity_world_mps - candidate.velocity_world_mps;
+      // Who moves apart is as far as at the end.
+      double closest = (offset + kDurationS * velocity).norm();
+      for (int k = 1; k < kSamples && offset.dot(velocity) < 0.0; ++k) {
+        closest = std::min(closest, (offset + kDurationS * k / kSamples * velocity).norm());
       }
       closest -= ego.radius_m + other.radius_m;
       const double gap_m =
