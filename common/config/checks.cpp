@@ -148,6 +148,8 @@ void checkLimits(const Experiment& experiment, const Refuse& refuse) {
               safety.own_track_hold_s, refuse);
   expectOrder("planner.slow_down_distance_m", planner.slow_down_distance_m, "hold_distance_m",
               planner.hold_distance_m, refuse);
+  expectOrder("planner.orca.obstacle_horizon_s", planner.orca.obstacle_horizon_s, "time_step_s",
+              planner.orca.time_step_s, refuse);
   expectOrder("sim.command_land_s", sim.command_land_s, "command_hold_s", sim.command_hold_s,
               refuse);
   expectOrder("sim.mocap.rate_hz", sim.mocap.rate_hz, "planner.rate_hz", planner.rate_hz, refuse);

@@ -112,7 +112,8 @@ struct Sim {
 
 struct Orca {
   double time_horizon_s = 5.0;
-  double radius_factor = 1.05;  ///< applied to every radius
+  double obstacle_horizon_s = 2.0;  ///< the same for obstacles; they do not move
+  double radius_factor = 1.05;      ///< applied to every radius
   double max_heading_change_rad =
       3.2;  ///< above this it turns in place; pi/6 under the published rules
   double time_step_s = 0.1;

@@ -37,7 +37,7 @@ inline Experiment oneOfEverything() {
   e.planner.command_valid_s = 0.4;
   e.planner.heading_gain_per_s = 1.5;
   e.planner.watch_wall_clock = false;
-  e.planner.orca = {4.0, 1.2, 0.5, 0.05, 7, 0.1};
+  e.planner.orca = {4.0, 1.5, 1.2, 0.5, 0.05, 7, 0.1};
 
   e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.5, 0.25, 0.2};
 
