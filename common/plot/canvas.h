@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "common/plot/gnuplot_script.h"
@@ -17,6 +18,14 @@ struct PictureFiles {
   std::string png;
   std::string svg;
 };
+
+/// Starts one page of a picture that plots more than once: `file` gets the ending of its kind.
+void beginPage(GnuplotScript& script, const CanvasSize& size, bool bitmap,
+               const std::filesystem::path& file);
+
+/// Starts an animation (GIF): every plot command is a frame.
+void beginAnimation(GnuplotScript& script, const CanvasSize& size, int frames_per_second,
+                    const std::filesystem::path& file, const std::string& title);
 
 /// Starts a picture: forgets what the picture before set and gives the house's look.
 void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::string& title);

@@ -20,7 +20,7 @@ const char* nameOf(Outcome outcome);
 struct EpisodeResult {
   Outcome outcome = Outcome::kStuck;
   int steps = 0;                      ///< until the last agent was done
-  double mean_extra_time_s = 0.0;     ///< over all agents
+  double mean_extra_time_s = 0.0;     ///< over the agents that arrived; NaN: none did
   double closest_separation_m = 0.0;  ///< between edges, over all pairs and steps
   long decisions = 0;                 ///< policy queries
 };

@@ -13,6 +13,7 @@
 #include "common/config/words.h"
 #include "common/core/error.h"
 #include "learning/evaluation/case_file.h"
+#include "learning/evaluation/figures.h"
 #include "learning/evaluation/generate.h"
 #include "learning/evaluation/results_folder.h"
 #include "learning/evaluation/summary.h"
@@ -179,6 +180,36 @@ void writeSummary(const Evaluation& evaluation, const ResultsFolder& results, do
   fmt::print("{}\n", results.path().string());
 }
 
+/// Rows of the cases that were asked for by number, for every contestant.
+std::vector<std::size_t> rowsToDraw(const Options& options, const Evaluation& evaluation) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < evaluation.cases(); ++row) {
+    const Place place = placeOf(evaluation, row);
+    if (std::find(options.draw.begin(), options.draw.end(), static_cast<int>(place.number)) !=
+        options.draw.end()) {
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+void drawAll(const Options& options, const Evaluation& evaluation, const ResultsFolder& results) {
+  drawComparison(evaluation, scoresOf(evaluation, results.finished()), results.path());
+  const std::vector<std::size_t> rows = rowsToDraw(options, evaluation);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string file = drawTrajectories(evaluation, rows[i], results.path());
+    fmt::print(stderr, "drawn {} of {}: {}\n", i + 1, rows.size(), file);
+  }
+  if (options.animate) {
+    for (std::size_t row = 0; row < evaluation.cases(); ++row) {
+      const Place place = placeOf(evaluation, row);
+      if (place.group == 0 && place.number == static_cast<std::size_t>(*options.animate)) {
+        fmt::print(stderr, "animated: {}\n", animate(evaluation, row, results.path()));
+      }
+    }
+  }
+}
+
 int evaluate(const Options& options) {
   if (options.list) {
     list();
@@ -208,6 +239,9 @@ int evaluate(const Options& options) {
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
   writeSummary(evaluation, results, wall.count(), decisions);
+  if (!options.no_figures) {
+    drawAll(options, evaluation, results);
+  }
   return 0;
 }
 

@@ -70,9 +70,11 @@ class IdealEpisode {
     while (!allDone()) {
       step();
     }
-    ++legs_;
     for (const Agent& agent : agents_) {
-      extra_time_s_ += (agent.time_s - agent.straight_time_s) / static_cast<double>(agents_.size());
+      if (agent.at_goal) {
+        extra_time_s_ += agent.time_s - agent.straight_time_s;
+        ++arrivals_;
+      }
     }
   }
 
@@ -80,7 +82,7 @@ class IdealEpisode {
     EpisodeResult result;
     result.outcome = outcome();
     result.steps = steps_;
-    result.mean_extra_time_s = extra_time_s_ / legs_;
+    result.mean_extra_time_s = extra_time_s_ / arrivals_;
     result.closest_separation_m = closest_m_;
     result.decisions = queries_;
     return result;
@@ -201,7 +203,7 @@ class IdealEpisode {
   std::vector<core::OtherAgent> others_;
   std::vector<Action> decisions_;
   int steps_ = 0;
-  int legs_ = 0;
+  int arrivals_ = 0;
   long queries_ = 0;
   double extra_time_s_ = 0.0;
   double closest_m_ = std::numeric_limits<double>::infinity();

@@ -100,9 +100,11 @@ class LabEpisode {
       ++steps_;
       record();
     }
-    ++legs_;
     for (const Agent& agent : agents_) {
-      extra_time_s_ += (agent.time_s - agent.straight_time_s) / static_cast<double>(agents_.size());
+      if (agent.at_goal) {
+        extra_time_s_ += agent.time_s - agent.straight_time_s;
+        ++arrivals_;
+      }
     }
   }
 
@@ -120,7 +122,7 @@ class LabEpisode {
     EpisodeResult result;
     result.outcome = outcome();
     result.steps = steps_;
-    result.mean_extra_time_s = extra_time_s_ / legs_;
+    result.mean_extra_time_s = extra_time_s_ / arrivals_;
     result.closest_separation_m = closest_m_;
     result.decisions = queries_;
     return result;
@@ -229,7 +231,7 @@ class LabEpisode {
   core::Utime mocap_time_ = 0;
   std::int64_t last_goal_ = 0;
   int steps_ = 0;
-  int legs_ = 0;
+  int arrivals_ = 0;
   long queries_ = 0;
   double extra_time_s_ = 0.0;
   double closest_m_ = std::numeric_limits<double>::infinity();

@@ -1,0 +1,319 @@
+#include "learning/evaluation/figures.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include "common/plot/canvas.h"
+#include "common/plot/palette.h"
+#include "common/plot/plan_view.h"
+#include "learning/evaluation/summary.h"
+
+namespace roundabout::learning {
+
+namespace {
+
+using Eigen::Vector2d;
+using plot::Color;
+using plot::GnuplotScript;
+using plot::gnuplotString;
+
+constexpr double kGroupWidth = 0.8;  // of the distance between groups, for all bars
+constexpr double kStarRadius_m = 0.2;
+constexpr double kCirclesEvery_s = 0.4;
+constexpr double kTimesEvery_s = 2.0;
+constexpr int kFramesPerSecond = 10;
+constexpr int kHoldFrames = 10;  // at the end of an animation
+
+/// "ga3c_cadrl_IROS18_4_agents_17"
+std::string fileNameOf(const Evaluation& evaluation, std::size_t row) {
+  const Place place = placeOf(evaluation, row);
+  std::string name =
+      fmt::format("{}_{}_{}", labelOf(evaluation.contestants[place.contestant].specification),
+                  evaluation.suite.groups[place.group].name, place.number);
+  std::string clean;
+  for (const char character : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(character)) != 0;
+    if (plain || (!clean.empty() && clean.back() != '_')) {
+      clean += plain ? character : '_';
+    }
+  }
+  return clean;
+}
+
+std::string titleOf(const Evaluation& evaluation, std::size_t row) {
+  const Place place = placeOf(evaluation, row);
+  const CaseGroup& group = evaluation.suite.groups[place.group];
+  return fmt::format("{}: {}{}", labelOf(evaluation.contestants[place.contestant].specification),
+                     group.name,
+                     group.cases.size() > 1 ? fmt::format(", case {}", place.number) : "");
+}
+
+/// Collects the parts of one plot command.
+class Parts {
+ public:
+  explicit Parts(GnuplotScript& script) : script_(script) {}
+
+  void add(const std::vector<std::string>& rows, const std::string& style) {
+    if (!rows.empty()) {
+      const std::string name = fmt::format("block{}", parts_.size());
+      script_.data(name, rows);
+      parts_.push_back(fmt::format("${} {}", name, style));
+    }
+  }
+
+  std::string command() const { return fmt::format("plot {}", fmt::join(parts_, ", \\\n     ")); }
+
+ private:
+  GnuplotScript& script_;
+  std::vector<std::string> parts_;
+};
+
+/// Where a contestant's bar stands.
+double barAt(const Evaluation& evaluation, const Score& score) {
+  const double bars = static_cast<double>(evaluation.contestants.size());
+  const double offset = (static_cast<double>(score.contestant) + 0.5) / bars - 0.5;
+  return static_cast<double>(score.group) + kGroupWidth * offset;
+}
+
+double barWidth(const Evaluation& evaluation) {
+  return 0.9 * kGroupWidth / static_cast<double>(evaluation.contestants.size());
+}
+
+/// Rows that one contestant adds to a panel.
+template <class Row>
+std::vector<std::string> rowsOf(const std::vector<Score>& scores, std::size_t contestant, Row row) {
+  std::vector<std::string> rows;
+  for (const Score& score : scores) {
+    if (score.contestant == contestant) {
+      rows.push_back(row(score));
+    }
+  }
+  return rows;
+}
+
+std::string boxStyle(const Color& color, const std::string& title) {
+  return fmt::format("with boxes fc rgb \"{}\" fs solid border lc rgb \"white\" {}",
+                     plot::hex(color), title.empty() ? "notitle" : "title " + gnuplotString(title));
+}
+
+std::string failurePanel(GnuplotScript& script, const Evaluation& evaluation,
+                         const std::vector<Score>& scores) {
+  Parts parts(script);
+  const double width = barWidth(evaluation);
+  const std::size_t count = evaluation.contestants.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Color color = plot::vehicleColor(i, count);
+    // What got stuck lies, paler, on top of what collided.
+    parts.add(rowsOf(scores, i,
+                     [&](const Score& score) {
+                       return fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score),
+                                          100.0 * (score.collision_share + score.stuck_share),
+                                          width);
+                     }),
+              boxStyle(plot::mix(plot::kWhite, color, 0.45), ""));
+    parts.add(rowsOf(scores, i,
+                     [&](const Score& score) {
+                       return fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score),
+                                          100.0 * score.collision_share, width);
+                     }),
+              boxStyle(color, labelOf(evaluation.contestants[i].specification)));
+  }
+  return parts.command();
+}
+
+std::string timePanel(GnuplotScript& script, const Evaluation& evaluation,
+                      const std::vector<Score>& scores) {
+  Parts parts(script);
+  const double width = barWidth(evaluation);
+  const std::size_t count = evaluation.contestants.size();
+  const auto row = [&](const Score& score, double time_s) {
+    return score.own.cases == 0
+               ? std::string()
+               : fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score), time_s, width);
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const Color color = plot::vehicleColor(i, count);
+    parts.add(rowsOf(scores, i, [&](const Score& s) { return row(s, s.own.percentile90_s); }),
+              boxStyle(plot::mix(plot::kWhite, color, 0.3), ""));
+    parts.add(rowsOf(scores, i, [&](const Score& s) { return row(s, s.own.percentile75_s); }),
+              boxStyle(plot::mix(plot::kWhite, color, 0.6), ""));
+    parts.add(rowsOf(scores, i, [&](const Score& s) { return row(s, s.own.mean_s); }),
+              fmt::format("with points pt 7 ps 0.7 lc rgb \"{}\" notitle",
+                          plot::hex(plot::mix(color, plot::kBlack, 0.4))));
+  }
+  return parts.command();
+}
+
+/// The moving part of one case: who is where when.
+struct Motion {
+  const TestCase& test_case;
+  Trace trace;
+  double step_s;
+};
+
+Motion flyAgain(const Evaluation& evaluation, std::size_t row) {
+  const Place place = placeOf(evaluation, row);
+  Motion motion{evaluation.suite.groups[place.group].cases[place.number],
+                {},
+                evaluation.rules.planning_step_s};
+  CaseRunner(evaluation).run(row, &motion.trace);
+  return motion;
+}
+
+plot::PlanView viewOf(const Motion& motion) {
+  plot::PlanView view;
+  for (std::size_t i = 0; i < motion.test_case.agents.size(); ++i) {
+    const AgentSpec& agent = motion.test_case.agents[i];
+    view.include(agent.goal_m, std::max(agent.radius_m, kStarRadius_m));
+    for (const std::vector<TracePoint>& points : motion.trace) {
+      view.include(points[i].position_m, agent.radius_m);
+    }
+  }
+  return view;
+}
+
+void addGoals(Parts& parts, const Motion& motion) {
+  const std::size_t count = motion.test_case.agents.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& later = motion.test_case.later_goals_m;
+    const Vector2d& goal = later.empty() ? motion.test_case.agents[i].goal_m : later.back()[i];
+    parts.add(plot::starRows(goal, kStarRadius_m),
+              fmt::format(
+                  "with filledcurves closed fc rgb \"{}\" fs solid border lc rgb \"white\" notitle",
+                  plot::hex(plot::vehicleColor(i, count))));
+  }
+}
+
+void addPaths(Parts& parts, const Motion& motion, std::size_t end) {
+  const std::size_t count = motion.test_case.agents.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<std::string> rows;
+    for (std::size_t step = 0; step < end; ++step) {
+      const Vector2d& at = motion.trace[step][i].position_m;
+      rows.push_back(fmt::format("{:.3f} {:.3f}", at.x(), at.y()));
+    }
+    parts.add(rows,
+              fmt::format("with lines lw 1.4 lc rgb \"{}\" notitle",
+                          plot::hex(plot::mix(plot::vehicleColor(i, count), plot::kBlack, 0.3))));
+  }
+}
+
+std::string circleRow(const Motion& motion, std::size_t step, std::size_t agent, double lightness) {
+  const std::size_t count = motion.test_case.agents.size();
+  const Vector2d& at = motion.trace[step][agent].position_m;
+  const Color color = plot::mix(plot::vehicleColor(agent, count), plot::kWhite, lightness);
+  return fmt::format("{:.3f} {:.3f} {:.3f} {}", at.x(), at.y(),
+                     motion.test_case.agents[agent].radius_m, plot::rgbNumber(color));
+}
+
+constexpr const char* kCircles =
+    "with circles lc rgb variable fs solid border lc rgb \"#777777\" notitle";
+
+}  // namespace
+
+void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scores,
+                    const std::filesystem::path& folder) {
+  GnuplotScript script;
+  const std::size_t groups = evaluation.suite.groups.size();
+  const plot::CanvasSize size{static_cast<int>(std::clamp<std::size_t>(120 * groups, 700, 1800)),
+                              640};
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < groups; ++i) {
+    names.push_back(fmt::format("{} {}", gnuplotString(evaluation.suite.groups[i].name), i));
+  }
+  for (const bool bitmap : {true, false}) {
+    plot::beginPage(script, size, bitmap, folder / "comparison");
+    script.line("set multiplot layout 2,1 title {} font \",14\"",
+                gnuplotString(fmt::format("{}, rules \"{}\" (lower is better)",
+                                          evaluation.suite.name, evaluation.rules.name)));
+    script.line("set xrange [-0.6:{:.1f}]", static_cast<double>(groups) - 0.4);
+    script.line("set xtics ({}) {}", fmt::join(names, ", "),
+                groups > 8 ? "rotate by 25 right" : "");
+    script.line("set yrange [0:*]");
+    script.line("set key outside right top noenhanced");
+    script.line("set ylabel \"failed: collision, stuck (paler)  %\"");
+    script.line("{}", failurePanel(script, evaluation, scores));
+    script.line("set ylabel \"extra time: mean (dot), 75, 90 %  s\"");
+    script.line("set key off");
+    script.line("{}", timePanel(script, evaluation, scores));
+    script.line("unset multiplot");
+    script.line("set output");
+  }
+  script.run();
+}
+
+std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
+                             const std::filesystem::path& folder) {
+  const Motion motion = flyAgain(evaluation, row);
+  const plot::PlanView view = viewOf(motion);
+  GnuplotScript script;
+  plot::beginFigure(script, view.size(), titleOf(evaluation, row));
+  view.set(script, "circles lighten with time, numbers are seconds, stars are goals");
+  const auto every = static_cast<std::size_t>(std::lround(kCirclesEvery_s / motion.step_s));
+  const auto labelled = static_cast<std::size_t>(std::lround(kTimesEvery_s / motion.step_s));
+  const std::size_t agents = motion.test_case.agents.size();
+  std::vector<std::string> circles;
+  std::vector<std::string> times;
+  for (std::size_t step = 0; step < motion.trace.size(); ++step) {
+    const double lightness =
+        0.8 * static_cast<double>(step) / static_cast<double>(motion.trace.size());
+    for (std::size_t i = 0; i < agents; ++i) {
+      const bool done = motion.trace[step][i].done;
+      const bool arrives = done && step > 0 && !motion.trace[step - 1][i].done;
+      if (arrives || (!done && step % every == 0)) {
+        circles.push_back(circleRow(motion, step, i, lightness));
+      }
+      if (arrives || (!done && step > 0 && step % labelled == 0)) {
+        const Vector2d& at = motion.trace[step][i].position_m;
+        times.push_back(fmt::format("{:.3f} {:.3f} \"{:.1f}\"", at.x(), at.y(),
+                                    static_cast<double>(step) * motion.step_s));
+      }
+    }
+  }
+  Parts parts(script);
+  parts.add(circles, kCircles);
+  addPaths(parts, motion, motion.trace.size());
+  addGoals(parts, motion);
+  parts.add(times, "with labels font \",8\" tc rgb \"#222222\" notitle");
+  const std::string name = fileNameOf(evaluation, row);
+  plot::endFigure(script, view.size(),
+                  {(folder / (name + ".png")).string(), (folder / (name + ".svg")).string()},
+                  parts.command());
+  script.run();
+  return name + ".png";
+}
+
+std::string animate(const Evaluation& evaluation, std::size_t row,
+                    const std::filesystem::path& folder) {
+  const Motion motion = flyAgain(evaluation, row);
+  const plot::PlanView view = viewOf(motion);
+  const std::string name = fileNameOf(evaluation, row) + ".gif";
+  GnuplotScript script;
+  plot::beginAnimation(script, view.size(), kFramesPerSecond, folder / name,
+                       titleOf(evaluation, row));
+  const auto steps_per_frame = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::lround(1.0 / (kFramesPerSecond * motion.step_s))));
+  const std::size_t frames = (motion.trace.size() - 1) / steps_per_frame + 1;
+  for (std::size_t frame = 0; frame < frames + kHoldFrames; ++frame) {
+    const std::size_t step = std::min(frame * steps_per_frame, motion.trace.size() - 1);
+    view.set(script, fmt::format("{:.1f} s", static_cast<double>(step) * motion.step_s));
+    std::vector<std::string> circles;
+    for (std::size_t i = 0; i < motion.test_case.agents.size(); ++i) {
+      circles.push_back(circleRow(motion, step, i, motion.trace[step][i].done ? 0.5 : 0.0));
+    }
+    Parts parts(script);
+    addPaths(parts, motion, step + 1);
+    addGoals(parts, motion);
+    parts.add(circles, kCircles);
+    script.line("{}", parts.command());
+  }
+  script.line("set output");
+  script.run();
+  return name;
+}
+
+}  // namespace roundabout::learning
