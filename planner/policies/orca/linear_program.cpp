@@ -101,11 +101,15 @@ HalfPlane whereLessViolated(const HalfPlane& a, const HalfPlane& b) {
 }  // namespace
 
 VelocityChoice LinearProgram::solve(std::span<const HalfPlane> half_planes,
-                                    const Vector2d& preferred_mps, double max_speed_mps) {
+                                    const Vector2d& preferred_mps, double max_speed_mps,
+                                    std::size_t hard) {
   relative_.reserve(half_planes.size());
   VelocityChoice choice;
   const std::size_t kept =
       optimise(half_planes, max_speed_mps, Nearest{preferred_mps}, choice.velocity_mps);
+  if (kept < hard) {
+    return solve(half_planes.first(hard), preferred_mps, max_speed_mps);
+  }
   // The third dimension is the violation of the worst half-plane. One that is violated more than
   // the worst so far becomes the worst: it is then made as small as it gets without letting an
   // earlier one become worse.
@@ -114,8 +118,8 @@ VelocityChoice LinearProgram::solve(std::span<const HalfPlane> half_planes,
     if (-worst.margin(choice.velocity_mps) <= choice.violation_mps + kTolerance) {
       continue;
     }
-    relative_.clear();
-    for (const HalfPlane& earlier : half_planes.first(i)) {
+    relative_.assign(half_planes.begin(), half_planes.begin() + static_cast<std::ptrdiff_t>(hard));
+    for (const HalfPlane& earlier : half_planes.subspan(hard, i - hard)) {
       if ((earlier.normal - worst.normal).norm() > kTolerance) {
         relative_.push_back(whereLessViolated(worst, earlier));
       }

@@ -19,11 +19,12 @@ struct VelocityChoice {
 class LinearProgram {
  public:
   /// The velocity nearest to the preferred one that keeps every half-plane to 1e-10 m/s; if there
-  /// is none, the one that misses the worst half-plane by the least. Half-planes, also in changed
-  /// order, give the same result, unless several velocities are equally good in the second case.
-  /// Allocates when there are more half-planes than ever before.
+  /// is none, the one that misses the worst half-plane by the least. The first `hard` half-planes
+  /// are never given up for the others: if they cannot all be kept, the others do not count.
+  /// Half-planes, also in changed order, give the same result, unless several velocities are
+  /// equally good in the second case. Allocates when there are more half-planes than ever before.
   VelocityChoice solve(std::span<const HalfPlane> half_planes, const Eigen::Vector2d& preferred_mps,
-                       double max_speed_mps);
+                       double max_speed_mps, std::size_t hard = 0);
 
  private:
   std::vector<HalfPlane> relative_;

@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 
 #include "common/core/angles.h"
+#include "common/core/polygon.h"
 #include "planner/policies/orca/linear_program.h"
+#include "planner/policies/orca/obstacle.h"
 #include "planner/policies/orca/velocity_obstacle.h"
 
 namespace roundabout::planner {
@@ -41,7 +43,11 @@ class Orca final : public Policy {
   Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override {
     collectNeighbours(ego, around.others);
     half_planes_.clear();
-    half_planes_.reserve(neighbours_.size());
+    for (const core::Polygon& obstacle : around.obstacles) {
+      addObstacle(ego, obstacle);
+    }
+    const std::size_t obstacle_count = half_planes_.size();
+    half_planes_.reserve(obstacle_count + neighbours_.size());
     for (const Neighbour& neighbour : neighbours_) {
       addHalfPlane(ego, *neighbour.agent);
     }
@@ -51,7 +57,8 @@ class Orca final : public Policy {
     if (!isFree(preferred)) {
       preferred = turn_right_ * preferred;
     }
-    const VelocityChoice choice = program_.solve(half_planes_, preferred, ego.preferred_speed_mps);
+    const VelocityChoice choice =
+        program_.solve(half_planes_, preferred, ego.preferred_speed_mps, obstacle_count);
     return toDecision(ego, choice.velocity_mps);
   }
 
@@ -98,6 +105,38 @@ class Orca final : public Policy {
     }
   }
 
+  // A convex obstacle is avoided as a whole. Of another one every side that faces the ego is an
+  // obstacle of its own: nothing is hit first from behind.
+  void addObstacle(const core::EgoAgent& ego, const core::Polygon& obstacle) {
+    corners_.clear();
+    for (const Vector2d& corner : obstacle) {
+      corners_.push_back(corner - ego.position_world_m);
+    }
+    if (core::isConvex(obstacle)) {
+      addConvexObstacle(ego, corners_);
+      return;
+    }
+    corners_.push_back(corners_.front());
+    for (std::size_t i = 0; i < obstacle.size(); ++i) {
+      const std::span<const Vector2d> side = std::span<const Vector2d>(corners_).subspan(i, 2);
+      const bool faces_ego = side[0].x() * side[1].y() - side[0].y() * side[1].x() < 0.0;
+      if (faces_ego) {
+        addConvexObstacle(ego, side);
+      }
+    }
+  }
+
+  void addConvexObstacle(const core::EgoAgent& ego, std::span<const Vector2d> corners) {
+    const std::optional<HalfPlane> half_plane =
+        halfPlaneBeside(corners, {.velocity_mps = ego.velocity_world_mps,
+                                  .radius_m = options_.radius_factor * ego.radius_m,
+                                  .max_speed_mps = ego.preferred_speed_mps,
+                                  .horizon_s = options_.obstacle_horizon_s});
+    if (half_plane) {
+      half_planes_.push_back(*half_plane);
+    }
+  }
+
   bool isFree(const Vector2d& velocity) const {
     return std::all_of(half_planes_.begin(), half_planes_.end(),
                        [&](const HalfPlane& each) { return each.margin(velocity) >= 0.0; });
@@ -124,7 +163,8 @@ class Orca final : public Policy {
   config::Orca options_;
   Eigen::Rotation2Dd turn_right_;
   std::vector<Neighbour> neighbours_;
-  std::vector<HalfPlane> half_planes_;
+  std::vector<Vector2d> corners_;       // of one obstacle, from the ego
+  std::vector<HalfPlane> half_planes_;  // of obstacles, then of neighbours
   LinearProgram program_;
 };
 

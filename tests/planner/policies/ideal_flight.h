@@ -8,6 +8,7 @@
 
 #include "common/core/agent.h"
 #include "common/core/angles.h"
+#include "common/core/polygon.h"
 #include "planner/policy.h"
 
 namespace roundabout::planner {
@@ -18,6 +19,8 @@ class IdealFlight {
  public:
   static constexpr double kStepS = 0.1;
   static constexpr double kGoalDistanceM = 0.2;
+
+  std::vector<core::Polygon> obstacles;  ///< that all policies are told of
 
   /// Standing, heading toward its goal.
   void add(core::EgoAgent start, std::unique_ptr<Policy> policy) {
@@ -38,6 +41,14 @@ class IdealFlight {
     return std::all_of(agents_.begin(), agents_.end(), [](const Agent& a) { return a.arrived; });
   }
 
+  int arrived() const {
+    return static_cast<int>(
+        std::count_if(agents_.begin(), agents_.end(), [](const Agent& a) { return a.arrived; }));
+  }
+
+  /// Smallest distance between the edges of an agent and an obstacle so far. m.
+  double closestObstacle() const { return closest_obstacle_m_; }
+
   /// Smallest distance between the edges of two agents so far. m.
   double closestGap() const { return closest_gap_m_; }
 
@@ -51,10 +62,20 @@ class IdealFlight {
   void flyStep() {
     std::vector<Decision> decisions;
     for (std::size_t i = 0; i < agents_.size(); ++i) {
-      decisions.push_back(agents_[i].policy->decide(agents_[i].ego, othersOf(i)));
+      const std::vector<core::OtherAgent> others = othersOf(i);
+      core::Surroundings around(others);
+      around.obstacles = obstacles;
+      decisions.push_back(agents_[i].policy->decide(agents_[i].ego, around));
     }
     for (std::size_t i = 0; i < agents_.size(); ++i) {
       move(agents_[i], decisions[i]);
+    }
+    for (const Agent& agent : agents_) {
+      for (const core::Polygon& obstacle : obstacles) {
+        closest_obstacle_m_ =
+            std::min(closest_obstacle_m_,
+                     core::distanceTo(obstacle, agent.ego.position_world_m) - agent.ego.radius_m);
+      }
     }
     for (std::size_t i = 0; i < agents_.size(); ++i) {
       for (std::size_t j = i + 1; j < agents_.size(); ++j) {
@@ -88,6 +109,7 @@ class IdealFlight {
   }
 
   std::vector<Agent> agents_;
+  double closest_obstacle_m_ = std::numeric_limits<double>::infinity();
   double closest_gap_m_ = std::numeric_limits<double>::infinity();
 };
 

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include <gtest/gtest.h>
 
+#include "planner/policies/orca/obstacle.h"
 #include "planner/policies/orca/velocity_obstacle.h"
 #include "tests/planner/policies/random_scene.h"
 
@@ -19,6 +21,7 @@ struct Problem {
   std::vector<HalfPlane> half_planes;
   Vector2d preferred_mps;
   double max_speed_mps;
+  std::size_t hard = 0;  // so many half-planes, the first ones, are never given up
 };
 
 // As agents pose it: the smaller the square, the more crowded.
@@ -51,12 +54,45 @@ Problem arbitraryProblem(core::RandomStream& random) {
   return problem;
 }
 
-double worstViolation(const Problem& problem, const Vector2d& velocity) {
+// As agents among obstacles pose it.
+Problem obstructedProblem(core::RandomStream& random, double half_side_m) {
+  const Scene scene = randomScene(random, 0, half_side_m);
+  Problem problem;
+  const std::size_t obstacles = 1 + random.index(4);
+  for (std::size_t i = 0; i < obstacles; ++i) {
+    const Vector2d corner = randomVector(random, half_side_m);
+    const std::vector<Vector2d> triangle = {corner,
+                                            corner + Vector2d(random.uniform(0.1, 4.0), 0.0),
+                                            corner + Vector2d(0.0, random.uniform(0.1, 4.0))};
+    const auto half_plane =
+        halfPlaneBeside(triangle, {scene.ego.velocity_world_mps, scene.ego.radius_m, 2.0, 2.0});
+    if (half_plane) {
+      problem.half_planes.push_back(*half_plane);
+    }
+  }
+  problem.hard = problem.half_planes.size();
+  const Problem crowd = crowdProblem(random, half_side_m);
+  problem.half_planes.insert(problem.half_planes.end(), crowd.half_planes.begin(),
+                             crowd.half_planes.end());
+  problem.preferred_mps = crowd.preferred_mps;
+  problem.max_speed_mps = crowd.max_speed_mps;
+  return problem;
+}
+
+double worstViolation(std::span<const HalfPlane> half_planes, const Vector2d& velocity) {
   double worst = 0.0;
-  for (const HalfPlane& half_plane : problem.half_planes) {
+  for (const HalfPlane& half_plane : half_planes) {
     worst = std::max(worst, -half_plane.margin(velocity));
   }
   return worst;
+}
+
+std::span<const HalfPlane> hardOnes(const Problem& problem) {
+  return std::span(problem.half_planes).first(problem.hard);
+}
+
+std::span<const HalfPlane> softOnes(const Problem& problem) {
+  return std::span(problem.half_planes).subspan(problem.hard);
 }
 
 // The point where a . v = p and b . v = q, if there is one.
@@ -97,18 +133,29 @@ std::vector<Vector2d> candidatesForNearest(const Problem& problem) {
   return points;
 }
 
-// Every point that can have the least violation: deepest on the circle for one half-plane, equally
-// bad for two of them and on the circle, or equally bad for three.
+// Every point that can have the least violation: deepest on the circle for one half-plane, or where
+// two of these meet: the circle, the edge of a hard one, a line where two others are equally bad.
 std::vector<Vector2d> candidatesForLeastViolation(const Problem& problem) {
+  struct Line {
+    Vector2d normal;
+    double offset;
+  };
+  std::vector<Line> lines;
+  for (const HalfPlane& hard : hardOnes(problem)) {
+    lines.push_back({hard.normal, hard.offset_mps});
+  }
+  const auto soft = softOnes(problem);
   std::vector<Vector2d> points;
-  for (const HalfPlane& a : problem.half_planes) {
-    points.push_back(a.normal * problem.max_speed_mps);
-    for (const HalfPlane& b : problem.half_planes) {
-      addLine(a.normal - b.normal, a.offset_mps - b.offset_mps, problem.max_speed_mps, points);
-      for (const HalfPlane& c : problem.half_planes) {
-        addCrossing(a.normal - b.normal, a.offset_mps - b.offset_mps, a.normal - c.normal,
-                    a.offset_mps - c.offset_mps, points);
-      }
+  for (std::size_t i = 0; i < soft.size(); ++i) {
+    points.push_back(soft[i].normal * problem.max_speed_mps);
+    for (std::size_t j = 0; j < i; ++j) {
+      lines.push_back({soft[i].normal - soft[j].normal, soft[i].offset_mps - soft[j].offset_mps});
+    }
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    addLine(lines[i].normal, lines[i].offset, problem.max_speed_mps, points);
+    for (std::size_t j = 0; j < i; ++j) {
+      addCrossing(lines[i].normal, lines[i].offset, lines[j].normal, lines[j].offset, points);
     }
   }
   return points;
@@ -117,8 +164,9 @@ std::vector<Vector2d> candidatesForLeastViolation(const Problem& problem) {
 double leastViolation(const Problem& problem) {
   double least = std::numeric_limits<double>::infinity();
   for (const Vector2d& point : candidatesForLeastViolation(problem)) {
-    if (point.norm() <= problem.max_speed_mps + 1e-12) {
-      least = std::min(least, worstViolation(problem, point));
+    if (point.norm() <= problem.max_speed_mps + 1e-12 &&
+        worstViolation(hardOnes(problem), point) < 1e-9) {
+      least = std::min(least, worstViolation(softOnes(problem), point));
     }
   }
   return least;
@@ -128,7 +176,8 @@ double leastViolation(const Problem& problem) {
 double nearestDistance(const Problem& problem) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Vector2d& point : candidatesForNearest(problem)) {
-    if (point.norm() <= problem.max_speed_mps + 1e-9 && worstViolation(problem, point) < 1e-9) {
+    if (point.norm() <= problem.max_speed_mps + 1e-9 &&
+        worstViolation(problem.half_planes, point) < 1e-9) {
       nearest = std::min(nearest, (point - problem.preferred_mps).norm());
     }
   }
@@ -142,10 +191,11 @@ struct Tally {
 
 // Compares the program with the enumeration of all candidates.
 void check(const Problem& problem, LinearProgram& program, Tally& tally) {
-  const VelocityChoice choice =
-      program.solve(problem.half_planes, problem.preferred_mps, problem.max_speed_mps);
+  const VelocityChoice choice = program.solve(problem.half_planes, problem.preferred_mps,
+                                              problem.max_speed_mps, problem.hard);
   ASSERT_LE(choice.velocity_mps.norm(), problem.max_speed_mps + 1e-9);
-  ASSERT_NEAR(worstViolation(problem, choice.velocity_mps), choice.violation_mps, 1e-9);
+  ASSERT_LE(worstViolation(hardOnes(problem), choice.velocity_mps), 1e-9);
+  ASSERT_NEAR(worstViolation(softOnes(problem), choice.velocity_mps), choice.violation_mps, 1e-9);
   const double nearest = nearestDistance(problem);
   if (std::isfinite(nearest)) {
     ++tally.feasible;
@@ -169,6 +219,27 @@ TEST(LinearProgram, SolvesWhatAgentsPose) {
   }
   EXPECT_GT(tally.feasible, 5000);
   EXPECT_GT(tally.infeasible, 5000);
+}
+
+TEST(LinearProgram, SolvesWhatAgentsPoseAmongObstacles) {
+  core::RandomStream random(4, "obstacles");
+  LinearProgram program;
+  Tally tally;
+  for (int i = 0; i < 20000; ++i) {
+    SCOPED_TRACE(i);
+    ASSERT_NO_FATAL_FAILURE(check(obstructedProblem(random, 1.0 + i % 6), program, tally));
+  }
+  EXPECT_GT(tally.feasible, 5000);
+  EXPECT_GT(tally.infeasible, 5000);
+}
+
+TEST(LinearProgram, ForgetsTheOthersWhereTheHardOnesContradictEachOther) {
+  const std::vector<HalfPlane> half_planes = {
+      {{1.0, 0.0}, 0.5}, {{-1.0, 0.0}, 0.1}, {{0.0, 1.0}, 0.9}};
+  const VelocityChoice choice = LinearProgram().solve(half_planes, {0.0, 0.0}, 1.0, 2);
+  EXPECT_DOUBLE_EQ(choice.violation_mps, 0.3);
+  EXPECT_NEAR(choice.velocity_mps.x(), 0.2, 1e-12);
+  EXPECT_LT(choice.velocity_mps.y(), 0.9);
 }
 
 TEST(LinearProgram, SolvesArbitraryHalfPlanes) {
