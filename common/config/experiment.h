@@ -24,6 +24,17 @@ struct Start {
   double heading_rad = 0.0;
 };
 
+/// A planar range finder in the middle of a vehicle, looking forward. The simulator's sweeps; a
+/// real one's geometry comes with its messages.
+struct Lidar {
+  int beams = 512;  ///< the first and the last are at the edges of the field of view
+  double field_of_view_rad = 3.141592653589793;
+  double max_range_m = 6.0;  ///< what a beam says that hits nothing
+  double rate_hz = 40.0;
+  double noise_m = 0.0;          ///< standard deviation of a range
+  bool sees_room_walls = false;  ///< whether the edges of the room are walls
+};
+
 struct Vehicle {
   std::string name;                    ///< letters, digits and underscore
   std::string model = "multirotor";    ///< entry of the simulator's table of dynamics
@@ -34,6 +45,7 @@ struct Vehicle {
   double height_m = 1.0;               ///< of flight, above the floor
   double max_acceleration_mps2 = 3.0;  ///< it can brake with this
   std::optional<Start> start;          ///< nothing: placed at random (sim.start_area)
+  std::optional<Lidar> lidar;          ///< nothing: it has none
 };
 
 /// False for models that stay on the floor: they need no take-off, and landing is stopping.

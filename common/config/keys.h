@@ -33,6 +33,16 @@ void describe(Visitor& visit, Vehicle& vehicle) {
   visit("model", vehicle.model, identifier());
   visit("assumed_radius_m", vehicle.assumed_radius_m, above(0.0));
   visit("body_radius_m", vehicle.body_radius_m, above(0.0));
+template <class Visitor>
+void describe(Visitor& visit, Lidar& lidar) {
+  visit("beams", lidar.beams, between(2.0, 4096.0));
+  visit("field_of_view_rad", lidar.field_of_view_rad, between(0.01, 6.2831854));
+  visit("max_range_m", lidar.max_range_m, above(0.0));
+  visit("rate_hz", lidar.rate_hz, above(0.0));
+  visit("noise_m", lidar.noise_m, atLeast(0.0));
+  visit("sees_room_walls", lidar.sees_room_walls);
+}
+
   visit("preferred_speed_mps", vehicle.preferred_speed_mps, above(0.0));
   visit("top_speed_mps", vehicle.top_speed_mps, above(0.0));
   visit("height_m", vehicle.height_m, above(0.0));
@@ -44,6 +54,7 @@ template <class Visitor>
 void describe(Visitor& visit, Orca& orca) {
   visit("time_horizon_s", orca.time_horizon_s, above(0.0));
   visit("obstacle_horizon_s", orca.obstacle_horizon_s, above(0.0));
+  visit("lidar", vehicle.lidar);
   visit("radius_factor", orca.radius_factor, above(0.0));
   visit("max_heading_change_rad", orca.max_heading_change_rad, above(0.0));
   visit("time_step_s", orca.time_step_s, above(0.0));

@@ -50,9 +50,10 @@ class KeyCollector {
     }
     keys_[path] = text + "]";
   }
-  void collect(const std::string& path, std::optional<Start>&) {
-    Start start;
-    collect(path, start);
+  template <class Struct>
+  void collect(const std::string& path, std::optional<Struct>&) {
+    Struct present{};
+    collect(path, present);
   }
   void collect(const std::string&, std::vector<Eigen::Vector3d>&) {}
   void collect(const std::string& path, std::vector<MissionStep>&) {

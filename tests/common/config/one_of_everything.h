@@ -26,10 +26,12 @@ inline Experiment oneOfEverything() {
   first.start = Start{{-1.5, 2.5}, -0.75};
   Vehicle second = first;
   second.name = "2";
+  first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true};
   second.height_m = 1.75;
   second.start.reset();
   e.vehicles = {first, second};
 
+  second.lidar.reset();
   e.planner.policy = "ga3c_cadrl:/weights/net.safetensors";
   e.planner.rate_hz = 20.0;
   e.planner.slow_down_distance_m = 2.5;

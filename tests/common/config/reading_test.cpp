@@ -109,6 +109,17 @@ TEST(Override, OfAnAliasedMapLeavesTheOtherUsersAlone) {
   const Experiment read = parseExperiment(
       "vehicles:\n"
       "  - {name: hex1, start: &corner {position_m: [1, 1]}}\n"
+TEST(ConfigReading, AnEmptyLidarHasTheDefaults) {
+  const Experiment read = parseExperiment(
+      "vehicles:\n  - {name: hex1, lidar: {}}\n  - {name: hex2, lidar: {beams: 16}}\n"
+      "  - name: hex3\n",
+      "lab.yaml");
+  ASSERT_TRUE(read.vehicles[0].lidar);
+  EXPECT_EQ(read.vehicles[0].lidar->beams, 512);
+  EXPECT_EQ(read.vehicles[1].lidar->beams, 16);
+  EXPECT_FALSE(read.vehicles[2].lidar);
+}
+
       "  - {name: hex2, start: *corner}\n",
       "lab.yaml", {"vehicles.1.start.position_m=[3, 3]"});
   EXPECT_EQ(read.vehicles[0].start->position_m, Eigen::Vector2d(1.0, 1.0));
