@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/config/spacing.h"
+#include "common/core/polygon.h"
 
 namespace roundabout::fleet {
 
@@ -13,6 +14,28 @@ Eigen::Vector3d nearestGoal(const config::Experiment& experiment, std::size_t ve
   return place_m.cwiseMax(experiment.room.min_m + margin_m)
       .cwiseMin(experiment.room.max_m - margin_m);
 }
+
+namespace {
+
+std::optional<std::string> refuseGoalsAtObstacles(const config::Experiment& experiment,
+                                                  const std::vector<Eigen::Vector3d>& points_m) {
+  const double needed_m = config::obstacleSpacingM(experiment);
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    for (const config::Obstacle& obstacle : experiment.obstacles) {
+      const double distance_m = core::distanceTo(obstacle.points_m, points_m[i].head<2>());
+      if (distance_m < 0.0) {
+        return fmt::format("goal {} is inside obstacle {}", i + 1, obstacle.name);
+      }
+      if (distance_m < needed_m) {
+        return fmt::format("goal {} is {:.2f} m from obstacle {} and must be {:.2f} m", i + 1,
+                           distance_m, obstacle.name, needed_m);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 std::optional<std::string> refuseGoals(const config::Experiment& experiment,
                                        const std::vector<Eigen::Vector3d>& points_m) {
@@ -37,6 +60,9 @@ std::optional<std::string> refuseGoals(const config::Experiment& experiment,
           i + 1, point.x(), point.y(), point.z(), room.min_m.x(), room.min_m.y(), room.min_m.z(),
           room.max_m.x(), room.max_m.y(), room.max_m.z(), body_m);
     }
+  }
+  if (auto refusal = refuseGoalsAtObstacles(experiment, points_m)) {
+    return refusal;
   }
   constexpr double kRounding_m = 1e-9;
   const double needed_m = config::goalSpacingM(experiment);

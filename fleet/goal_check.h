@@ -16,8 +16,8 @@ Eigen::Vector3d nearestGoal(const config::Experiment& experiment, std::size_t ve
                             const Eigen::Vector3d& place_m);
 
 /// Why nobody may be sent to these points, or nothing: more points than vehicles, not a number,
-/// outside the room, or two closer (horizontally) than config::goalSpacingM(). Names the goals,
-/// from 1, and the numbers.
+/// outside the room, closer to an obstacle than config::obstacleSpacingM(), or two closer
+/// (horizontally) than config::goalSpacingM(). Names the goals, from 1, and the numbers.
 std::optional<std::string> refuseGoals(const config::Experiment& experiment,
                                        const std::vector<Eigen::Vector3d>& points_m);
 

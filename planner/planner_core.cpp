@@ -49,6 +49,15 @@ PlannerCore::PlannerCore(const config::Experiment& experiment, const std::string
       room_(experiment.room, experiment.vehicles[own_index_], experiment.safety.room_land_margin_m,
             experiment.safety.reaction_s) {
   others_.reserve(experiment.vehicles.size());
+  for (const config::Obstacle& obstacle : experiment.obstacles) {
+    obstacles_.push_back(obstacle.points_m);
+  }
+  if (!obstacles_.empty() && !policy_->avoidsObstacles()) {
+    throw core::StartupError(
+        experiment.file, "obstacles",
+        fmt::format("none, since the policy {} does not avoid them", policy_->name()),
+        fmt::format("{}", obstacles_.size()));
+  }
 }
 
 std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& frame) {
@@ -349,7 +358,9 @@ void PlannerCore::fly(core::Utime now, core::Command& command, Status& status) {
     return;
   }
   collectOthers(now);
-  status.decision = policy_->decide(ego, others_);
+  core::Surroundings around(others_);
+  around.obstacles = obstacles_;
+  status.decision = policy_->decide(ego, around);
   const PlanarCommand planar = commandFrom(status.decision, ego, experiment_.planner);
   const Eigen::Vector2d velocity =
       room_.clipVelocity(ego.position_world_m, ego.velocity_world_mps, planar.velocity_world_mps);

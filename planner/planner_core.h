@@ -46,7 +46,8 @@ class PlannerCore {
     Status status;
   };
 
-  /// Throws core::StartupError if the experiment has no such vehicle.
+  /// Throws core::StartupError if the experiment has no such vehicle, or obstacles that the policy
+  /// does not avoid.
   PlannerCore(const config::Experiment& experiment, const std::string& vehicle,
               std::unique_ptr<Policy> policy);
 
@@ -126,6 +127,7 @@ class PlannerCore {
   core::Utime obeyed_order_ = 0;  // the last to arrive
   std::vector<core::Goal> pending_goals_;
   std::optional<core::Goal> goal_;
+  std::vector<core::Polygon> obstacles_;
   std::vector<core::OtherAgent> others_;
   std::string refused_take_off_;  // why
   bool landing_done_ = false;

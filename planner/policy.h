@@ -37,6 +37,9 @@ class Policy {
   /// Whether decide() needs a scan. Without one such a policy stands still.
   virtual bool needsScan() const { return false; }
 
+  /// Whether decide() keeps off obstacles. Others may not fly where there are some.
+  virtual bool avoidsObstacles() const { return false; }
+
   /// Another one for another agent: shares parameters with this one, remembers nothing.
   virtual std::unique_ptr<Policy> twin() const = 0;
 

@@ -6,7 +6,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/spacing.h"
 #include "common/core/error.h"
+#include "common/core/polygon.h"
 #include "common/core/random.h"
 
 namespace roundabout::sim {
@@ -17,16 +19,27 @@ namespace {
 constexpr int kLayouts = 200;
 constexpr int kDrawsPerVehicle = 200;
 
-std::optional<config::Start> drawPlace(const config::Sim& sim,
+bool clearOfObstacles(const config::Experiment& experiment, const Eigen::Vector2d& place) {
+  return std::all_of(experiment.obstacles.begin(), experiment.obstacles.end(),
+                     [&](const config::Obstacle& obstacle) {
+                       return core::distanceTo(obstacle.points_m, place) >=
+                              config::obstacleSpacingM(experiment);
+                     });
+}
+
+std::optional<config::Start> drawPlace(const config::Experiment& experiment,
                                        const std::vector<Eigen::Vector2d>& taken,
                                        core::RandomStream& random) {
+  const config::Sim& sim = experiment.sim;
   for (int draw = 0; draw < kDrawsPerVehicle; ++draw) {
     const double x = random.uniform(sim.start_area.min_m.x(), sim.start_area.max_m.x());
     const double y = random.uniform(sim.start_area.min_m.y(), sim.start_area.max_m.y());
     const Eigen::Vector2d place(x, y);
-    if (std::all_of(taken.begin(), taken.end(), [&](const Eigen::Vector2d& other) {
-          return (place - other).norm() >= sim.start_spacing_m;
-        })) {
+    if (std::all_of(taken.begin(), taken.end(),
+                    [&](const Eigen::Vector2d& other) {
+                      return (place - other).norm() >= sim.start_spacing_m;
+                    }) &&
+        clearOfObstacles(experiment, place)) {
       return config::Start{place, random.uniform(-std::numbers::pi, std::numbers::pi)};
     }
   }
@@ -44,7 +57,7 @@ std::optional<std::vector<config::Start>> drawLayout(const config::Experiment& e
   std::vector<config::Start> starts;
   for (const config::Vehicle& vehicle : experiment.vehicles) {
     std::optional<config::Start> start =
-        vehicle.start ? vehicle.start : drawPlace(experiment.sim, taken, random);
+        vehicle.start ? vehicle.start : drawPlace(experiment, taken, random);
     if (!start) {
       return std::nullopt;
     }

@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/obstacles.h"
 #include "common/config/spacing.h"
 #include "common/config/words.h"
 
@@ -253,6 +254,7 @@ void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
     refuse("vehicles", "at least one vehicle", "none");
   }
   checkRoom(experiment, refuse);
+  checkObstacles(experiment, refuse);
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     checkVehicle(experiment, i, refuse);
   }

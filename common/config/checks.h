@@ -15,8 +15,8 @@ using Refuse = std::function<void(const std::string& path, const std::string& ex
 void fillHeights(Experiment& experiment, const Refuse& refuse);
 
 /// Checks what one key alone cannot tell: double names, places outside the room, starts too
-/// close to each other, limits in the wrong order, steps that do not fit. What a formation must keep to is
-/// fleet's to check.
+/// close to each other, limits in the wrong order, steps that do not fit. What a formation must
+/// keep to is fleet's to check.
 void checkConsistency(const Experiment& experiment, const Refuse& refuse);
 
 }  // namespace roundabout::config

@@ -177,6 +177,12 @@ struct Fleet {
   Eigen::Vector2d letter_centre_m{0.0, 3.0};  ///< centre of a letter's box
 };
 
+/// Something in the room that does not move, from the floor to above all heights of flight.
+struct Obstacle {
+  std::string name;                       ///< letters, digits and underscore
+  std::vector<Eigen::Vector2d> points_m;  ///< corners of a simple polygon, counter-clockwise; world
+};
+
 struct NamedPoints {
   std::string name;
   std::vector<Eigen::Vector3d> points_m;
@@ -198,6 +204,7 @@ struct Experiment {
   std::string source = "sim";  ///< who publishes VEHICLE_STATES
   std::string lcm_url;         ///< empty: LCM_DEFAULT_URL, else LCM's own default
   Room room;
+  std::vector<Obstacle> obstacles;
   std::vector<Vehicle> vehicles;
   Planner planner;
   Safety safety;

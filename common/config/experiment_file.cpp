@@ -8,6 +8,7 @@
 
 #include "common/config/checks.h"
 #include "common/config/document.h"
+#include "common/config/obstacles.h"
 #include "common/config/points_file.h"
 #include "common/config/reader.h"
 #include "common/config/writer.h"
@@ -73,6 +74,7 @@ Experiment parseExperiment(const std::string& yaml, const std::string& name,
   reader.finish();
 
   readPointsFiles(experiment, std::filesystem::path(name).parent_path(), refuse);
+  orientObstacles(experiment);
   fillHeights(experiment, refuse);
   checkConsistency(experiment, refuse);
   experiment.planner.policy = withAbsoluteWeights(experiment.planner.policy,

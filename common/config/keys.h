@@ -22,17 +22,17 @@ void describe(Visitor& visit, Room& room) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, Obstacle& obstacle) {
+  visit("name", obstacle.name, identifier());
+  visit("points_m", obstacle.points_m);
+}
+
+template <class Visitor>
 void describe(Visitor& visit, Start& start) {
   visit("position_m", start.position_m);
   visit("heading_rad", start.heading_rad);
 }
 
-template <class Visitor>
-void describe(Visitor& visit, Vehicle& vehicle) {
-  visit("name", vehicle.name, identifier());
-  visit("model", vehicle.model, identifier());
-  visit("assumed_radius_m", vehicle.assumed_radius_m, above(0.0));
-  visit("body_radius_m", vehicle.body_radius_m, above(0.0));
 template <class Visitor>
 void describe(Visitor& visit, Lidar& lidar) {
   visit("beams", lidar.beams, between(2.0, 4096.0));
@@ -43,18 +43,24 @@ void describe(Visitor& visit, Lidar& lidar) {
   visit("sees_room_walls", lidar.sees_room_walls);
 }
 
+template <class Visitor>
+void describe(Visitor& visit, Vehicle& vehicle) {
+  visit("name", vehicle.name, identifier());
+  visit("model", vehicle.model, identifier());
+  visit("assumed_radius_m", vehicle.assumed_radius_m, above(0.0));
+  visit("body_radius_m", vehicle.body_radius_m, above(0.0));
   visit("preferred_speed_mps", vehicle.preferred_speed_mps, above(0.0));
   visit("top_speed_mps", vehicle.top_speed_mps, above(0.0));
   visit("height_m", vehicle.height_m, above(0.0));
   visit("max_acceleration_mps2", vehicle.max_acceleration_mps2, above(0.0));
   visit("start", vehicle.start);
+  visit("lidar", vehicle.lidar);
 }
 
 template <class Visitor>
 void describe(Visitor& visit, Orca& orca) {
   visit("time_horizon_s", orca.time_horizon_s, above(0.0));
   visit("obstacle_horizon_s", orca.obstacle_horizon_s, above(0.0));
-  visit("lidar", vehicle.lidar);
   visit("radius_factor", orca.radius_factor, above(0.0));
   visit("max_heading_change_rad", orca.max_heading_change_rad, above(0.0));
   visit("time_step_s", orca.time_step_s, above(0.0));
@@ -219,6 +225,7 @@ void describe(Visitor& visit, Experiment& experiment) {
   visit("source", experiment.source, oneOf(kSources));
   visit("lcm_url", experiment.lcm_url);
   visit("room", experiment.room);
+  visit("obstacles", experiment.obstacles);
   visit("vehicle_defaults", vehicle_defaults, inputOnly());
   visit("vehicles", experiment.vehicles, vehicle_defaults);
   visit("planner", experiment.planner);

@@ -14,6 +14,14 @@ double goalSpacingM(const Experiment& experiment) {
   return largest_m + second_m + experiment.safety.goal_margin_m;
 }
 
+double obstacleSpacingM(const Experiment& experiment) {
+  double largest_m = 0.0;
+  for (const Vehicle& vehicle : experiment.vehicles) {
+    largest_m = std::max(largest_m, vehicle.assumed_radius_m);
+  }
+  return largest_m + experiment.safety.goal_margin_m;
+}
+
 double largestBodyRadiusM(const Experiment& experiment) {
   double largest_m = 0.0;
   for (const Vehicle& vehicle : experiment.vehicles) {

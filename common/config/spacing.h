@@ -8,6 +8,10 @@ namespace roundabout::config {
 /// the largest two assumed radii and safety.goal_margin_m. m.
 double goalSpacingM(const Experiment& experiment);
 
+/// Smallest distance of a vehicle's goal or starting place from an obstacle: the largest assumed
+/// radius and safety.goal_margin_m. m.
+double obstacleSpacingM(const Experiment& experiment);
+
 /// The largest body_radius_m. m.
 double largestBodyRadiusM(const Experiment& experiment);
 

@@ -18,6 +18,8 @@ class ScriptedPolicy final : public Policy {
     Decision decision{.speed_mps = 0.5, .heading_change_rad = 0.0};
     core::EgoAgent ego;
     std::vector<core::OtherAgent> others;
+    std::vector<core::Polygon> obstacles;
+    bool avoids_obstacles = true;
     int calls = 0;
     int resets = 0;
   };
@@ -27,9 +29,11 @@ class ScriptedPolicy final : public Policy {
   Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override {
     script_->ego = ego;
     script_->others.assign(around.others.begin(), around.others.end());
+    script_->obstacles.assign(around.obstacles.begin(), around.obstacles.end());
     ++script_->calls;
     return script_->decision;
   }
+  bool avoidsObstacles() const override { return script_->avoids_obstacles; }
   void reset() override { ++script_->resets; }
   std::unique_ptr<Policy> twin() const override {
     return std::make_unique<ScriptedPolicy>(script_);

@@ -7,6 +7,7 @@
 
 #include "common/core/error.h"
 #include "tests/planner/fake_flight.h"
+#include "tests/support/startup_error.h"
 
 namespace roundabout::planner {
 namespace {
@@ -565,6 +566,26 @@ TEST(PlannerCore, ANewGoalResetsThePolicysMemory) {
   flight.goal(GoalPhase::kGo, {3.0, 0.0, 1.0}, 3);
   flight.run(0.2);
   EXPECT_EQ(flight.script->resets, resets + 1);
+}
+
+TEST(PlannerCore, TellsItsPolicyOfTheObstacles) {
+  config::Experiment experiment = threeVehicles();
+  experiment.obstacles = {{"box", {{1.0, 3.0}, {2.0, 3.0}, {2.0, 4.0}}}};
+  FakeFlight flight(experiment);
+  flight.flyTo({4.0, 0.0, 1.0});
+  ASSERT_EQ(flight.script->obstacles.size(), 1U);
+  EXPECT_EQ(flight.script->obstacles[0], experiment.obstacles[0].points_m);
+}
+
+TEST(PlannerCore, RefusesObstaclesThatItsPolicyDoesNotAvoid) {
+  config::Experiment experiment = threeVehicles();
+  experiment.obstacles = {{"box", {{1.0, 3.0}, {2.0, 3.0}, {2.0, 4.0}}}};
+  const auto script = std::make_shared<ScriptedPolicy::Script>();
+  script->avoids_obstacles = false;
+  EXPECT_EQ(test::startupErrorOf(
+                [&] { PlannerCore(experiment, "hex1", std::make_unique<ScriptedPolicy>(script)); }),
+            "test: obstacles: expected none, since the policy scripted does not avoid them, found "
+            "1");
 }
 
 TEST(PlannerCore, AVehicleThatDrivesNeedsNoTakeOff) {

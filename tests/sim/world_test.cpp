@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/core/error.h"
+#include "common/core/polygon.h"
 #include "sim/start_places.h"
 #include "tests/support/allocation_count.h"
 
@@ -58,6 +59,17 @@ TEST(StartPlaces, TakeAGivenStartAndKeepTheOthersAwayFromIt) {
   EXPECT_EQ(starts[7].heading_rad, 1.0);
   for (std::size_t i = 0; i < 7; ++i) {
     EXPECT_GE((starts[i].position_m - starts[7].position_m).norm(), experiment.sim.start_spacing_m);
+  }
+}
+
+TEST(StartPlaces, KeepClearOfObstacles) {
+  config::Experiment experiment = vehicles(4);
+  experiment.obstacles = {{"box", {{-4.0, -4.0}, {2.0, -4.0}, {2.0, 1.0}, {-4.0, 1.0}}}};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    experiment.seed = seed;
+    for (const config::Start& start : startPlaces(experiment)) {
+      EXPECT_GE(core::distanceTo(experiment.obstacles[0].points_m, start.position_m), 0.6);
+    }
   }
 }
 

@@ -64,6 +64,7 @@ class Orca final : public Policy {
 
   std::unique_ptr<Policy> twin() const override { return std::make_unique<Orca>(options_); }
 
+  bool avoidsObstacles() const override { return true; }
   std::string_view name() const override { return "orca"; }
 
  private:

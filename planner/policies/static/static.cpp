@@ -10,6 +10,7 @@ class Static final : public Policy {
 
   std::unique_ptr<Policy> twin() const override { return std::make_unique<Static>(); }
 
+  bool avoidsObstacles() const override { return true; }
   std::string_view name() const override { return "static"; }
 };
 

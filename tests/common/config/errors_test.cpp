@@ -85,10 +85,11 @@ TEST(ConfigError, KeyThatIsNotText) {
 // ---- unknown keys
 
 TEST(ConfigError, UnknownKeyAtTheTop) {
-  EXPECT_EQ(errorBelow("misson: [land]\n"),
-            "lab.yaml:2: misson: expected one of name, seed, source, lcm_url, room, "
-            "vehicle_defaults, vehicles, planner, safety, fleet, sim, glyphs, mission, found "
-            "\"misson\" (did you mean \"mission\"?)");
+  EXPECT_EQ(
+      errorBelow("misson: [land]\n"),
+      "lab.yaml:2: misson: expected one of name, seed, source, lcm_url, room, "
+      "obstacles, vehicle_defaults, vehicles, planner, safety, fleet, sim, glyphs, mission, found "
+      "\"misson\" (did you mean \"mission\"?)");
 }
 
 TEST(ConfigError, UnknownKeyOfAVehicle) {
@@ -467,6 +468,69 @@ TEST(ConfigError, PointWithoutHeightAmongVehiclesOfDifferentHeights) {
                     "mission:\n  - formation: {points: [[3, 4]]}\n"),
             "lab.yaml:3: mission[0].formation.points[0]: expected [x, y, z], since heights of "
             "flight differ, found [3, 4]");
+}
+
+// ---- obstacles
+
+std::string obstacleError(const std::string& list) {
+  return errorBelow("obstacles: " + list + "\n");
+}
+
+TEST(ConfigError, ObstacleWithoutAName) {
+  EXPECT_EQ(
+      obstacleError("[{points_m: [[3, 3], [4, 3], [3, 4]]}]"),
+      "lab.yaml:2: obstacles[0].name: expected letters, digits and underscore, found nothing");
+}
+
+TEST(ConfigError, TwoObstaclesOfOneName) {
+  EXPECT_EQ(obstacleError("[{name: a, points_m: [[3, 3], [4, 3], [3, 4]]}, "
+                          "{name: a, points_m: [[5, 5], [6, 5], [5, 6]]}]"),
+            "lab.yaml:2: obstacles[1].name: expected a name of its own, found \"a\", which is "
+            "obstacles[0]'s");
+}
+
+TEST(ConfigError, ObstacleOfTwoCorners) {
+  EXPECT_EQ(obstacleError("[{name: a, points_m: [[3, 3], [4, 3]]}]"),
+            "lab.yaml:2: obstacles[0].points_m: expected at least 3 corners, found 2");
+}
+
+TEST(ConfigError, ObstacleWhoseSidesCrossOrTouch) {
+  const std::string error =
+      "lab.yaml:2: obstacles[0].points_m: expected the corners of a polygon, in their order along "
+      "its outline, found sides that touch or cross each other";
+  for (const char* points :
+       {"[[3, 3], [5, 5], [5, 3], [3, 5]]", "[[3, 3], [4, 3], [5, 3]]",
+        "[[3, 3], [5, 3], [5, 5], [4, 3], [3, 5]]", "[[3, 3], [3, 3], [5, 3], [5, 5]]"}) {
+    EXPECT_EQ(obstacleError(std::string("[{name: a, points_m: ") + points + "}]"), error) << points;
+  }
+}
+
+TEST(ConfigError, ObstacleOutsideTheRoom) {
+  EXPECT_EQ(
+      obstacleError("[{name: a, points_m: [[3, 3], [11, 3], [3, 4]]}]"),
+      "lab.yaml:2: obstacles[0].points_m[1]: expected a place in the room (x -10 to 10, y -10 "
+      "to 10), found [11, 3]");
+}
+
+TEST(ConfigError, StartTooCloseToAnObstacle) {
+  const auto error = [](const std::string& start) {
+    return errorOf("vehicles: [{name: hex1, start: {position_m: " + start + "}}]\n" +
+                   "obstacles: [{name: box, points_m: [[3, 3], [5, 3], [5, 5], [3, 5]]}]\n");
+  };
+  EXPECT_EQ(error("[2.4, 4]"), "no error");
+  EXPECT_EQ(error("[2.5, 4]"),
+            "lab.yaml:1: vehicles[0].start.position_m: expected at least 0.6 m (an assumed radius "
+            "and safety.goal_margin_m) from obstacle \"box\", found 0.500 m");
+  EXPECT_EQ(error("[4, 4]"),
+            "lab.yaml:1: vehicles[0].start.position_m: expected at least 0.6 m (an assumed radius "
+            "and safety.goal_margin_m) from obstacle \"box\", found a place inside it");
+}
+
+TEST(ConfigError, ObstacleHorizonShorterThanAStep) {
+  EXPECT_EQ(
+      errorBelow("planner: {orca: {obstacle_horizon_s: 0.05}}\n"),
+      "lab.yaml:2: planner.orca.obstacle_horizon_s: expected at least time_step_s (0.1), found "
+      "0.05");
 }
 
 // ---- overrides

@@ -55,6 +55,7 @@ class KeyCollector {
     Struct present{};
     collect(path, present);
   }
+  void collect(const std::string&, std::vector<Eigen::Vector2d>&) {}
   void collect(const std::string&, std::vector<Eigen::Vector3d>&) {}
   void collect(const std::string& path, std::vector<MissionStep>&) {
     for (const std::string& verb : kMissionVerbs) {

@@ -14,6 +14,8 @@ inline Experiment oneOfEverything() {
   e.lcm_url = "udpm://239.255.76.68:7668?ttl=0";
   e.room = {{-6.5, -5.25, 0.0}, {6.5, 5.75, 3.3}};
 
+  e.obstacles = {{"pillar", {{5.0, 5.0}, {5.5, 5.0}, {5.5, 5.5}}}};
+
   Vehicle first;
   first.name = "hex_1";
   first.model = "unicycle";
@@ -24,14 +26,14 @@ inline Experiment oneOfEverything() {
   first.height_m = 1.25;
   first.max_acceleration_mps2 = 2.5;
   first.start = Start{{-1.5, 2.5}, -0.75};
+  first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true};
   Vehicle second = first;
   second.name = "2";
-  first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true};
   second.height_m = 1.75;
   second.start.reset();
+  second.lidar.reset();
   e.vehicles = {first, second};
 
-  second.lidar.reset();
   e.planner.policy = "ga3c_cadrl:/weights/net.safetensors";
   e.planner.rate_hz = 20.0;
   e.planner.slow_down_distance_m = 2.5;

@@ -60,6 +60,19 @@ TEST(Mission, ReadsEveryVerb) {
   EXPECT_EQ(read.mission[7].verb, "land");
 }
 
+TEST(Obstacles, AreTurnedCounterClockwise) {
+  const Experiment read = parseExperiment(
+      "vehicles: [{name: hex1}]\n"
+      "obstacles:\n"
+      "  - {name: left, points_m: [[3, 3], [4, 3], [3, 4]]}\n"
+      "  - {name: right, points_m: [[6, 3], [6, 4], [7, 3]]}\n",
+      "lab.yaml");
+  EXPECT_EQ(read.obstacles[0].points_m,
+            (std::vector<Eigen::Vector2d>{{3.0, 3.0}, {4.0, 3.0}, {3.0, 4.0}}));
+  EXPECT_EQ(read.obstacles[1].points_m,
+            (std::vector<Eigen::Vector2d>{{7.0, 3.0}, {6.0, 4.0}, {6.0, 3.0}}));
+}
+
 TEST(Points, WithoutAHeightAreAtTheVehicles) {
   const Experiment read = parseExperiment(
       "vehicle_defaults: {height_m: 1.5}\n"
@@ -96,6 +109,17 @@ TEST(Override, AddsKeysThatTheFileDoesNotHave) {
   EXPECT_EQ(read.vehicles[1].start->heading_rad, 1.0);
 }
 
+TEST(ConfigReading, AnEmptyLidarHasTheDefaults) {
+  const Experiment read = parseExperiment(
+      "vehicles:\n  - {name: hex1, lidar: {}}\n  - {name: hex2, lidar: {beams: 16}}\n"
+      "  - name: hex3\n",
+      "lab.yaml");
+  ASSERT_TRUE(read.vehicles[0].lidar);
+  EXPECT_EQ(read.vehicles[0].lidar->beams, 512);
+  EXPECT_EQ(read.vehicles[1].lidar->beams, 16);
+  EXPECT_FALSE(read.vehicles[2].lidar);
+}
+
 TEST(Override, TakesYamlAndTheLastOneWins) {
   const Experiment read =
       withTwo("", {"mission=[take_off]", "mission=[take_off, {spell: AB}, land]",
@@ -109,17 +133,6 @@ TEST(Override, OfAnAliasedMapLeavesTheOtherUsersAlone) {
   const Experiment read = parseExperiment(
       "vehicles:\n"
       "  - {name: hex1, start: &corner {position_m: [1, 1]}}\n"
-TEST(ConfigReading, AnEmptyLidarHasTheDefaults) {
-  const Experiment read = parseExperiment(
-      "vehicles:\n  - {name: hex1, lidar: {}}\n  - {name: hex2, lidar: {beams: 16}}\n"
-      "  - name: hex3\n",
-      "lab.yaml");
-  ASSERT_TRUE(read.vehicles[0].lidar);
-  EXPECT_EQ(read.vehicles[0].lidar->beams, 512);
-  EXPECT_EQ(read.vehicles[1].lidar->beams, 16);
-  EXPECT_FALSE(read.vehicles[2].lidar);
-}
-
       "  - {name: hex2, start: *corner}\n",
       "lab.yaml", {"vehicles.1.start.position_m=[3, 3]"});
   EXPECT_EQ(read.vehicles[0].start->position_m, Eigen::Vector2d(1.0, 1.0));

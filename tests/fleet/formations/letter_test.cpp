@@ -152,6 +152,15 @@ TEST(GoalCheck, NamesGoalsOutsideTheRoom) {
   EXPECT_EQ(refusal->find("goal 2 at (19.90, 0.00, 1.00) is outside the room"), 0u) << *refusal;
 }
 
+TEST(Goals, AtAnObstacleAreRefused) {
+  config::Experiment experiment = smallFleet(2);
+  experiment.obstacles = {{"box", {{3.0, -1.0}, {5.0, -1.0}, {5.0, 1.0}, {3.0, 1.0}}}};
+  EXPECT_EQ(refuseGoals(experiment, {{0.0, 0.0, 1.0}, {2.5, 0.0, 1.0}}),
+            "goal 2 is 0.50 m from obstacle box and must be 0.60 m");
+  EXPECT_EQ(refuseGoals(experiment, {{4.0, 0.0, 1.0}}), "goal 1 is inside obstacle box");
+  EXPECT_EQ(refuseGoals(experiment, {{2.4, 0.0, 1.0}, {5.5, 1.5, 1.0}}), std::nullopt);
+}
+
 TEST(GoalCheck, CountsGoalsAndVehicles) {
   EXPECT_EQ(refuseGoals(smallFleet(1), {{0.0, 0.0, 1.0}, {5.0, 0.0, 1.0}}),
             "2 goals are more than 1 vehicles");
