@@ -29,6 +29,7 @@ struct EpisodeResult {
 struct TracePoint {
   Eigen::Vector2d position_m;
   bool done;
+  bool collided;
 };
 
 /// All agents, step by step from the start: trace[step][agent].

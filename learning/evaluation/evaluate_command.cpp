@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -78,7 +79,9 @@ Suite casesOf(const Options& options) {
     return makeSuite(options.suite);
   }
   if (!options.case_file.empty()) {
-    return {options.case_file, readCaseFile(options.case_file), {}};
+    return {std::filesystem::path(options.case_file).stem().string(),
+            readCaseFile(options.case_file),
+            {}};
   }
   const std::string name =
       fmt::format("{}, {}, seed {}", options.generate,
@@ -122,6 +125,7 @@ Evaluation prepare(const Options& options) {
 json describe(const Options& options, const Evaluation& evaluation) {
   return {{"policies", options.policies},
           {"suite", evaluation.suite.name},
+          {"case_file", options.case_file},
           {"cases", evaluation.casesPerContestant()},
           {"generator",
            {options.generator.half_side_m, options.generator.min_radius_m,

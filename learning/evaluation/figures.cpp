@@ -219,26 +219,35 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
                     const std::filesystem::path& folder) {
   GnuplotScript script;
   const std::size_t groups = evaluation.suite.groups.size();
-  const plot::CanvasSize size{static_cast<int>(std::clamp<std::size_t>(120 * groups, 700, 1800)),
-                              640};
+  const plot::CanvasSize size{
+      static_cast<int>(std::clamp<std::size_t>(435 + 150 * groups, 900, 2400)), 640};
   std::vector<std::string> names;
   for (std::size_t i = 0; i < groups; ++i) {
     names.push_back(fmt::format("{} {}", gnuplotString(evaluation.suite.groups[i].name), i));
   }
   for (const bool bitmap : {true, false}) {
     plot::beginPage(script, size, bitmap, folder / "comparison");
-    script.line("set multiplot layout 2,1 title {} font \",14\"",
+    script.line("set multiplot");
+    script.line("set label 1 {} at screen 0.5, screen 0.97 center font \",14\"",
                 gnuplotString(fmt::format("{}, rules \"{}\" (lower is better)",
                                           evaluation.suite.name, evaluation.rules.name)));
     script.line("set xrange [-0.6:{:.1f}]", static_cast<double>(groups) - 0.4);
     script.line("set xtics ({}) {}", fmt::join(names, ", "),
                 groups > 8 ? "rotate by 25 right" : "");
     script.line("set yrange [0:*]");
-    script.line("set key outside right top noenhanced");
+    script.line("set lmargin at screen {:.3f}", 95.0 / size.width);
+    script.line("set rmargin at screen {:.3f}", 1.0 - 340.0 / size.width);
+    script.line("set tmargin at screen 0.92");
+    script.line("set bmargin at screen 0.53");
+    script.line("set key at screen {:.3f}, screen 0.92 left top Left reverse noenhanced font \",9\"",
+                1.0 - 330.0 / size.width);
     script.line("set ylabel \"failed: collision, stuck (paler)  %\"");
     script.line("{}", failurePanel(script, evaluation, scores));
     script.line("set ylabel \"extra time: mean (dot), 75, 90 %  s\"");
     script.line("set key off");
+    script.line("unset label 1");
+    script.line("set tmargin at screen 0.45");
+    script.line("set bmargin at screen 0.1");
     script.line("{}", timePanel(script, evaluation, scores));
     script.line("unset multiplot");
     script.line("set output");
@@ -252,12 +261,13 @@ std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
   const plot::PlanView view = viewOf(motion);
   GnuplotScript script;
   plot::beginFigure(script, view.size(), titleOf(evaluation, row));
-  view.set(script, "circles lighten with time, numbers are seconds, stars are goals");
+  view.set(script, "circles lighten with time, numbers: s, stars: goals, crosses: collisions");
   const auto every = static_cast<std::size_t>(std::lround(kCirclesEvery_s / motion.step_s));
   const auto labelled = static_cast<std::size_t>(std::lround(kTimesEvery_s / motion.step_s));
   const std::size_t agents = motion.test_case.agents.size();
   std::vector<std::string> circles;
   std::vector<std::string> times;
+  std::vector<std::string> crashes;
   for (std::size_t step = 0; step < motion.trace.size(); ++step) {
     const double lightness =
         0.8 * static_cast<double>(step) / static_cast<double>(motion.trace.size());
@@ -271,6 +281,9 @@ std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
         const Vector2d& at = motion.trace[step][i].position_m;
         times.push_back(fmt::format("{:.3f} {:.3f} \"{:.1f}\"", at.x(), at.y(),
                                     static_cast<double>(step) * motion.step_s));
+        if (motion.trace[step][i].collided) {
+          crashes.push_back(fmt::format("{:.3f} {:.3f}", at.x(), at.y()));
+        }
       }
     }
   }
@@ -278,6 +291,7 @@ std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
   parts.add(circles, kCircles);
   addPaths(parts, motion, motion.trace.size());
   addGoals(parts, motion);
+  parts.add(crashes, "with points pt 2 ps 2.5 lw 2 lc rgb \"#d00000\" notitle");
   parts.add(times, "with labels font \",8\" tc rgb \"#222222\" notitle");
   const std::string name = fileNameOf(evaluation, row);
   plot::endFigure(script, view.size(),

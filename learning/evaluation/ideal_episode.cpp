@@ -191,7 +191,7 @@ class IdealEpisode {
     }
     std::vector<TracePoint>& points = trace_->emplace_back();
     for (const Agent& agent : agents_) {
-      points.push_back({agent.ego.position_world_m, agent.done()});
+      points.push_back({agent.ego.position_world_m, agent.done(), agent.collided});
     }
   }
 

@@ -216,7 +216,7 @@ class LabEpisode {
     }
     std::vector<TracePoint>& points = trace_->emplace_back();
     for (std::size_t i = 0; i < agents_.size(); ++i) {
-      points.push_back({positionOf(i), agents_[i].done()});
+      points.push_back({positionOf(i), agents_[i].done(), agents_[i].collided});
     }
   }
 

@@ -40,7 +40,7 @@ Suite table1() {
       settings.agents = agents;
       settings.min_radius_m = settings.max_radius_m = radius_m;
       settings.min_speed_mps = settings.max_speed_mps = 1.0;
-      suite.groups.push_back({fmt::format("r = {} m, {} agents", radius_m, agents),
+      suite.groups.push_back({fmt::format("{} agents, {} m", agents, radius_m),
                               generateCases("random", settings, 100, kSeed)});
     }
   }
