@@ -22,9 +22,12 @@ class LinearProgram {
   /// is none, the one that misses the worst half-plane by the least. The first `hard` half-planes
   /// are never given up for the others: if they cannot all be kept, the others do not count.
   /// Half-planes, also in changed order, give the same result, unless several velocities are
-  /// equally good in the second case. Allocates when there are more half-planes than ever before.
+  /// equally good in the second case. Allocates when there are more half-planes than ever before or
+  /// reserved.
   VelocityChoice solve(std::span<const HalfPlane> half_planes, const Eigen::Vector2d& preferred_mps,
                        double max_speed_mps, std::size_t hard = 0);
+
+  void reserve(std::size_t half_planes) { relative_.reserve(half_planes); }
 
  private:
   std::vector<HalfPlane> relative_;

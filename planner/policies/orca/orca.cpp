@@ -43,11 +43,11 @@ class Orca final : public Policy {
   Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override {
     collectNeighbours(ego, around.others);
     half_planes_.clear();
+    reserve(around.obstacles);
     for (const core::Polygon& obstacle : around.obstacles) {
       addObstacle(ego, obstacle);
     }
     const std::size_t obstacle_count = half_planes_.size();
-    half_planes_.reserve(obstacle_count + neighbours_.size());
     for (const Neighbour& neighbour : neighbours_) {
       addHalfPlane(ego, *neighbour.agent);
     }
@@ -104,6 +104,17 @@ class Orca final : public Policy {
       half_planes_.push_back({escape->normal, escape->normal.dot(ego.velocity_world_mps) +
                                                   kShare * escape->depth_mps});
     }
+  }
+
+  // For every side of every obstacle, in reach or not.
+  void reserve(std::span<const core::Polygon> obstacles) {
+    std::size_t most = neighbours_.size();
+    for (const core::Polygon& obstacle : obstacles) {
+      most += obstacle.size();
+      corners_.reserve(obstacle.size() + 1);
+    }
+    half_planes_.reserve(most);
+    program_.reserve(most);
   }
 
   // A convex obstacle is avoided as a whole. Of another one every side that faces the ego is an

@@ -12,6 +12,7 @@
 #include "tests/planner/policies/random_scene.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/cadrl_weights.h"
+#include "tests/support/drl_maca_weights.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/weights.h"
 
@@ -52,7 +53,23 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
       const std::string weights = folder_ / "weights.safetensors";
       nn::writeSafetensors(weights, test::randomCadrl());
       specification_ += ":" + weights;
+    } else if (GetParam() == "drl_maca") {
+      const std::string weights = folder_ / "weights.safetensors";
+      nn::writeSafetensors(weights, test::randomDrlMaca());
+      specification_ += ":" + weights;
     }
+    core::RandomStream random(1, "scan");
+    for (float& range_m : ranges_m_) {
+      range_m = static_cast<float>(random.uniform(0.0, 6.0));
+    }
+  }
+
+  // With a scan for policies that need one; it has nothing to do with the scene.
+  core::Surroundings around(const Scene& scene) const {
+    core::Surroundings result(scene.others);
+    result.scan = {-std::numbers::pi / 2.0,
+                   std::numbers::pi / static_cast<double>(ranges_m_.size() - 1), 6.0, ranges_m_};
+    return result;
   }
 
   // Every number of others, from all over the room to all on top of each other.
@@ -71,6 +88,7 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
  private:
   test::ScratchFolder folder_;
   std::string specification_;
+  std::vector<float> ranges_m_ = std::vector<float>(512);
 };
 
 void expectSound(const Scene& scene, const Decision& decision) {
@@ -97,7 +115,7 @@ TEST_P(PolicyContract, NameIsTheTables) { EXPECT_EQ(make()->name(), GetParam());
 TEST_P(PolicyContract, DecisionsAreSound) {
   const auto policy = make();
   forManyScenes([&](const Scene& scene, core::RandomStream&) {
-    expectSound(scene, policy->decide(scene.ego, scene.others));
+    expectSound(scene, policy->decide(scene.ego, around(scene)));
   });
 }
 
@@ -105,7 +123,7 @@ TEST_P(PolicyContract, DegenerateScenesAreAnsweredSoundly) {
   const auto policy = make();
   const auto check = [&](const Scene& scene, const char* what) {
     SCOPED_TRACE(what);
-    expectSound(scene, policy->decide(scene.ego, scene.others));
+    expectSound(scene, policy->decide(scene.ego, around(scene)));
   };
   forManyScenes([&](const Scene& scene, core::RandomStream&) {
     Scene changed = scene;
@@ -148,12 +166,12 @@ TEST_P(PolicyContract, DegenerateScenesAreAnsweredSoundly) {
 TEST_P(PolicyContract, ATwinAnswersAsOneThatWasJustMade) {
   const auto used = make();
   forManyScenes([&](const Scene& scene, core::RandomStream&) {
-    used->decide(scene.ego, scene.others);
+    used->decide(scene.ego, around(scene));
     const auto twin = used->twin();
     EXPECT_EQ(twin->name(), used->name());
     const auto fresh = make();
-    EXPECT_EQ(Answer(twin->decide(scene.ego, scene.others)),
-              Answer(fresh->decide(scene.ego, scene.others)));
+    EXPECT_EQ(Answer(twin->decide(scene.ego, around(scene))),
+              Answer(fresh->decide(scene.ego, around(scene))));
   });
 }
 
@@ -166,7 +184,7 @@ TEST_P(PolicyContract, HeadOnIsAnsweredSoundly) {
       scene.ego.velocity_world_mps = {closing_mps, 0.0};
       scene.others = {{{distance_m, 0.0}, {-closing_mps, 0.0}, 0.5}};
       SCOPED_TRACE(distance_m);
-      expectSound(scene, policy->decide(scene.ego, scene.others));
+      expectSound(scene, policy->decide(scene.ego, around(scene)));
     }
   }
 }
@@ -177,10 +195,10 @@ TEST_P(PolicyContract, SameSceneSameDecision) {
   forManyScenes([&](const Scene& scene, core::RandomStream&) {
     policy->reset();
     twin->reset();
-    const Answer first(policy->decide(scene.ego, scene.others));
-    EXPECT_EQ(Answer(twin->decide(scene.ego, scene.others)), first);
+    const Answer first(policy->decide(scene.ego, around(scene)));
+    EXPECT_EQ(Answer(twin->decide(scene.ego, around(scene))), first);
     policy->reset();
-    EXPECT_EQ(Answer(policy->decide(scene.ego, scene.others)), first);
+    EXPECT_EQ(Answer(policy->decide(scene.ego, around(scene))), first);
   });
 }
 
@@ -188,10 +206,10 @@ TEST_P(PolicyContract, OrderOfOthersDoesNotMatter) {
   const auto policy = make();
   forManyScenes([&](Scene scene, core::RandomStream& random) {
     policy->reset();
-    const Answer before(policy->decide(scene.ego, scene.others));
+    const Answer before(policy->decide(scene.ego, around(scene)));
     random.shuffle(scene.others);
     policy->reset();
-    EXPECT_EQ(Answer(policy->decide(scene.ego, scene.others)), before);
+    EXPECT_EQ(Answer(policy->decide(scene.ego, around(scene))), before);
   });
 }
 
@@ -217,11 +235,11 @@ TEST_P(PolicyContract, WorldFrameDoesNotMatter) {
   const auto policy = make();
   forManyScenes([&](const Scene& scene, core::RandomStream& random) {
     policy->reset();
-    const Answer here(policy->decide(scene.ego, scene.others));
+    const Answer here(policy->decide(scene.ego, around(scene)));
     const double angle_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
     const Scene elsewhere = moved(scene, angle_rad, randomVector(random, 20.0));
     policy->reset();
-    const Answer there(policy->decide(elsewhere.ego, elsewhere.others));
+    const Answer there(policy->decide(elsewhere.ego, around(elsewhere)));
 
     if (!here.probabilities.empty()) {
       // Single precision may decide between two actions that are equally probable.
@@ -241,12 +259,41 @@ TEST_P(PolicyContract, AllocatesNothingAfterTheFirstCallWithAsManyOthers) {
   for (std::size_t num_others = 0; num_others <= kMostOthers; ++num_others) {
     const Scene easy = randomScene(random, num_others, 100.0);
     const Scene crowded = randomScene(random, num_others, 1.0);
-    policy->decide(easy.ego, easy.others);
+    policy->decide(easy.ego, around(easy));
     const std::size_t before = test::allocationCount();
-    policy->decide(crowded.ego, crowded.others);
-    policy->decide(easy.ego, easy.others);
+    policy->decide(crowded.ego, around(crowded));
+    policy->decide(easy.ego, around(easy));
     const std::size_t after = test::allocationCount();
     EXPECT_EQ(after, before) << num_others << " others";
+  }
+}
+
+core::Polygon randomTriangle(core::RandomStream& random, double half_side_m) {
+  const Vector2d corner = randomVector(random, half_side_m);
+  return {corner, corner + Vector2d(random.uniform(0.1, 5.0), 0.0),
+          corner + Vector2d(0.0, random.uniform(0.1, 5.0))};
+}
+
+TEST_P(PolicyContract, ObstaclesAreAnsweredSoundlyWithoutAllocation) {
+  const auto policy = make();
+  core::RandomStream random(3, "obstacles");
+  for (std::size_t num_others = 0; num_others <= 10; ++num_others) {
+    const Scene far = randomScene(random, num_others, 1000.0);
+    const Scene near = randomScene(random, num_others, 2.0);
+    std::vector<core::Polygon> obstacles;
+    for (std::size_t i = 0; i <= num_others; ++i) {
+      obstacles.push_back(randomTriangle(random, 4.0));
+    }
+    const auto decide = [&](const Scene& scene) {
+      core::Surroundings around(scene.others);
+      around.obstacles = obstacles;
+      return policy->decide(scene.ego, around);
+    };
+    expectSound(far, decide(far));
+    const std::size_t before = test::allocationCount();
+    const Decision decision = decide(near);
+    EXPECT_EQ(test::allocationCount(), before) << num_others << " others";
+    expectSound(near, decision);
   }
 }
 
