@@ -9,6 +9,7 @@
 #include "common/config/words.h"
 #include "common/core/error.h"
 #include "planner/policies/cadrl/cadrl.h"
+#include "planner/policies/drl_maca/drl_maca.h"
 #include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
 #include "planner/policies/non_cooperative/non_cooperative.h"
 #include "planner/policies/orca/orca.h"
@@ -21,6 +22,7 @@ namespace {
 constexpr std::array kPolicies = {
     PolicyEntry{"ga3c_cadrl", true, makeGa3cCadrl},
     PolicyEntry{"cadrl", true, makeCadrl},
+    PolicyEntry{"drl_maca", true, makeDrlMaca},
     PolicyEntry{"orca", false, makeOrca},
     PolicyEntry{"non_cooperative", false, makeNonCooperative},
     PolicyEntry{"static", false, makeStatic},

@@ -7,6 +7,7 @@
 #include <spdlog/fmt/ostr.h>
 
 #include "planner/policies/cadrl/weights.h"
+#include "planner/policies/drl_maca/weights.h"
 #include "planner/policies/ga3c_cadrl/weights.h"
 
 namespace roundabout::planner {
@@ -17,9 +18,12 @@ constexpr std::size_t kNameColumns = 18;
 
 /// As the policy that the file names would: throws core::StartupError.
 void checkWeights(const nn::TensorFile& file, const std::string& path) {
-  const auto architecture = file.metadata.find("architecture");
-  if (architecture != file.metadata.end() && architecture->second == kCadrlArchitecture) {
+  const auto entry = file.metadata.find("architecture");
+  const std::string architecture = entry == file.metadata.end() ? "" : entry->second;
+  if (architecture == kCadrlArchitecture) {
     toCadrlWeights(file, path);
+  } else if (architecture == kDrlMacaArchitecture) {
+    toDrlMacaWeights(file, path);
   } else {
     toGa3cCadrlWeights(file, path);
   }

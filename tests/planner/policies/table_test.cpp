@@ -23,14 +23,16 @@ TEST(PolicyTable, NamesAreDistinct) {
 
 TEST(PolicyTable, MisspeltNameIsAnsweredWithAllNamesAndTheNearest) {
   EXPECT_EQ(errorOf("orka"),
-            "demo.yaml: planner.policy: expected one of ga3c_cadrl, cadrl, orca, non_cooperative, "
+            "demo.yaml: planner.policy: expected one of ga3c_cadrl, cadrl, drl_maca, orca, "
+            "non_cooperative, "
             "static, "
             "found \"orka\" (did you mean \"orca\"?)");
 }
 
 TEST(PolicyTable, NameLikeNoneIsAnsweredWithAllNames) {
   EXPECT_EQ(errorOf("zzz"),
-            "demo.yaml: planner.policy: expected one of ga3c_cadrl, cadrl, orca, non_cooperative, "
+            "demo.yaml: planner.policy: expected one of ga3c_cadrl, cadrl, drl_maca, orca, "
+            "non_cooperative, "
             "static, "
             "found \"zzz\"");
 }

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstdint>
+
+#include "planner/nn/safetensors.h"
+
+namespace roundabout::test {
+
+/// A valid DRLMACA network that knows nothing, as a weight file; the same for the same seed.
+planner::nn::TensorFile randomDrlMaca(std::uint64_t seed = 1);
+
+}  // namespace roundabout::test
