@@ -160,4 +160,29 @@ const char* fromMessage(const roundabout_msgs::safety_order_t& message, core::Sa
   return nullptr;
 }
 
+roundabout_msgs::planar_lidar_t toMessage(const core::LaserScan& scan) {
+  roundabout_msgs::planar_lidar_t message;
+  message.utime = scan.utime;
+  message.nranges = static_cast<std::int32_t>(scan.ranges_m.size());
+  message.ranges = scan.ranges_m;
+  message.nintensities = 0;
+  message.rad0 = static_cast<float>(scan.first_angle_rad);
+  message.radstep = static_cast<float>(scan.angle_step_rad);
+  return message;
+}
+
+const char* fromMessage(const roundabout_msgs::planar_lidar_t& message, core::LaserScan& scan) {
+  if (!std::isfinite(message.rad0) || !std::isfinite(message.radstep)) {
+    return "an angle is not finite";
+  }
+  if (message.nranges > kMostRanges) {
+    return "more ranges than any lidar has";
+  }
+  scan.utime = message.utime;
+  scan.first_angle_rad = double{message.rad0};
+  scan.angle_step_rad = double{message.radstep};
+  scan.ranges_m = message.ranges;
+  return nullptr;
+}
+
 }  // namespace roundabout::bus

@@ -6,6 +6,7 @@
 
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/mission_t.hpp"
+#include "roundabout_msgs/planar_lidar_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 #include "roundabout_msgs/vehicle_states_t.hpp"
 
@@ -41,6 +42,7 @@ namespace count_fields {
 inline constexpr CountField kVehicleStates[] = {{24, 118}};
 inline constexpr CountField kPlannerStatus[] = {{16, 4}};
 inline constexpr CountField kMission[] = {{16, 24}};
+inline constexpr CountField kPlanarLidar[] = {{16, 4}};  // and one behind the first array
 inline constexpr CountField kFleetStatus[] = {{16, 48}, {20, 5}};
 }  // namespace count_fields
 
@@ -57,6 +59,10 @@ template <>
 inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::fleet_status_t>{
     count_fields::kFleetStatus};
 
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::planar_lidar_t>{
+    count_fields::kPlanarLidar};
+
 /// True if every count could fit into the payload.
 template <class Message>
 bool plausibleCounts(std::span<const std::byte> payload) {
@@ -70,6 +76,20 @@ bool plausibleCounts(std::span<const std::byte> payload) {
     }
   }
   return true;
+}
+
+/// The layout is libbot2's: where the second count stands depends on the first.
+template <>
+inline bool plausibleCounts<roundabout_msgs::planar_lidar_t>(std::span<const std::byte> payload) {
+  std::uint64_t offset = count_fields::kPlanarLidar[0].offset;
+  for (int array = 0; array < 2; ++array) {
+    if (payload.size() < offset + 4) {
+      return false;
+    }
+    const std::uint64_t count = bigEndian(payload, static_cast<std::size_t>(offset), 4);
+    offset += 4 + count * sizeof(float);
+  }
+  return offset <= payload.size();
 }
 
 }  // namespace roundabout::bus

@@ -52,6 +52,32 @@ TEST(Messages, AGoalSurvivesTheWire) {
   EXPECT_EQ(encode(toMessage(goal)), encode(message));
 }
 
+TEST(Messages, ALaserScanSurvivesTheWire) {
+  core::LaserScan scan;
+  auto message = sample<roundabout_msgs::planar_lidar_t>();
+  message.nintensities = 0;
+  message.intensities.clear();
+  ASSERT_EQ(fromMessage(message, scan), nullptr);
+  EXPECT_EQ(scan.utime, 1'005'000);
+  EXPECT_EQ(scan.first_angle_rad, -1.5);
+  EXPECT_EQ(scan.ranges_m, (std::vector{1.5F, 6.0F, 0.25F}));
+  EXPECT_EQ(encode(toMessage(scan)), encode(message));
+}
+
+TEST(Messages, ALaserScanWithBrokenAnglesOrTooManyRangesIsRefused) {
+  core::LaserScan scan;
+  auto message = sample<roundabout_msgs::planar_lidar_t>();
+  message.rad0 = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_STREQ(fromMessage(message, scan), "an angle is not finite");
+  message = sample<roundabout_msgs::planar_lidar_t>();
+  message.radstep = std::numeric_limits<float>::infinity();
+  EXPECT_STREQ(fromMessage(message, scan), "an angle is not finite");
+  message = sample<roundabout_msgs::planar_lidar_t>();
+  message.nranges = kMostRanges + 1;
+  message.ranges.resize(static_cast<std::size_t>(message.nranges));
+  EXPECT_STREQ(fromMessage(message, scan), "more ranges than any lidar has");
+}
+
 TEST(Messages, ASafetyOrderSurvivesTheWire) {
   core::SafetyOrder order;
   const auto message = sample<roundabout_msgs::safety_order_t>();

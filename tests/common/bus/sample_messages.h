@@ -8,6 +8,7 @@
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/goal_t.hpp"
 #include "roundabout_msgs/mission_t.hpp"
+#include "roundabout_msgs/planar_lidar_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 #include "roundabout_msgs/safety_order_t.hpp"
 #include "roundabout_msgs/vehicle_states_t.hpp"
@@ -52,6 +53,19 @@ inline roundabout_msgs::command_t sample() {
   message.heading = -1.5;
   message.heading_rate = 0.25;
   message.valid_for = 0.3;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::planar_lidar_t sample() {
+  roundabout_msgs::planar_lidar_t message{};
+  message.utime = 1'005'000;
+  message.nranges = 3;
+  message.ranges = {1.5F, 6.0F, 0.25F};
+  message.nintensities = 2;
+  message.intensities = {0.5F, 0.75F};
+  message.rad0 = -1.5F;
+  message.radstep = 1.5F;
   return message;
 }
 

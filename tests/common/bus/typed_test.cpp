@@ -33,7 +33,7 @@ class TypedDecode : public testing::Test {
 using AllTypes = testing::Types<roundabout_msgs::vehicle_states_t, roundabout_msgs::command_t,
                                 roundabout_msgs::goal_t, roundabout_msgs::safety_order_t,
                                 roundabout_msgs::mission_t, roundabout_msgs::planner_status_t,
-                                roundabout_msgs::fleet_status_t>;
+                                roundabout_msgs::fleet_status_t, roundabout_msgs::planar_lidar_t>;
 class TypeName {
  public:
   template <class Message>
@@ -159,6 +159,29 @@ TEST(Decode, AllocatesNoMoreThanThePayloadCanHold) {
     EXPECT_EQ(good, count == 2);
     EXPECT_LE(message.vehicles.capacity(), most);
   }
+}
+
+TEST(Decode, BelievesNeitherCountOfALaserScan) {
+  const Bytes valid = encode(sample<roundabout_msgs::planar_lidar_t>());
+  const std::size_t intensities = count_fields::kPlanarLidar[0].offset + 4 + 3 * sizeof(float);
+  for (const std::uint32_t count : {0xFFFFFFFFU, 0x80000000U, 0x7FFFFFFFU, 1000000U, 5U}) {
+    Bytes bytes = valid;
+    setCount(bytes, intensities, count);
+    roundabout_msgs::planar_lidar_t message{};
+    EXPECT_STREQ(decode(bytes, message), "counts larger than the message");
+    EXPECT_EQ(message.intensities.capacity(), 0U);
+  }
+}
+
+// So that tools for bot_core.planar_lidar_t read it.
+TEST(PlanarLidar, IsLaidOutLikeLibbot2s) {
+  const Bytes bytes = encode(sample<roundabout_msgs::planar_lidar_t>());
+  ASSERT_EQ(bytes.size(), 52U);
+  EXPECT_EQ(bigEndian(bytes, 8, 8), 1'005'000U);
+  EXPECT_EQ(bigEndian(bytes, 16, 4), 3U);
+  EXPECT_EQ(bigEndian(bytes, 32, 4), 2U);
+  EXPECT_EQ(static_cast<std::uint32_t>(bigEndian(bytes, 44, 4)), 0xBFC00000U);  // rad0 = -1.5
+  EXPECT_EQ(static_cast<std::uint32_t>(bigEndian(bytes, 48, 4)), 0x3FC00000U);  // radstep = 1.5
 }
 
 // The smallest element of each list is an empty one; plausible.h has its size as a number.
