@@ -239,8 +239,9 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
     script.line("set rmargin at screen {:.3f}", 1.0 - 340.0 / size.width);
     script.line("set tmargin at screen 0.92");
     script.line("set bmargin at screen 0.53");
-    script.line("set key at screen {:.3f}, screen 0.92 left top Left reverse noenhanced font \",9\"",
-                1.0 - 330.0 / size.width);
+    script.line(
+        "set key at screen {:.3f}, screen 0.92 left top Left reverse noenhanced font \",9\"",
+        1.0 - 330.0 / size.width);
     script.line("set ylabel \"failed: collision, stuck (paler)  %\"");
     script.line("{}", failurePanel(script, evaluation, scores));
     script.line("set ylabel \"extra time: mean (dot), 75, 90 %  s\"");

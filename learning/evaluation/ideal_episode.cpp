@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/sensors/lidar.h"
+
 namespace roundabout::learning {
 
 namespace {
@@ -123,15 +125,27 @@ class IdealEpisode {
       if (agents_[i].done()) {
         continue;
       }
-      // Everybody but itself: the last takes its place for a moment.
       others_.assign(around_.begin(), around_.end());
       others_.erase(others_.begin() + static_cast<std::ptrdiff_t>(i));
-      const planner::Decision decision = policies_[i]->decide(agents_[i].ego, others_);
+      core::Surroundings around(others_);
+      if (policies_[i]->needsScan()) {
+        around.scan = scanOf(i);
+      }
+      const planner::Decision decision = policies_[i]->decide(agents_[i].ego, around);
       // The published environment passes actions on in single precision.
       decisions_[i] = {static_cast<float>(decision.speed_mps),
                        static_cast<float>(decision.heading_change_rad)};
       ++queries_;
     }
+  }
+
+  core::RangeScan scanOf(std::size_t agent) {
+    discs_.clear();
+    for (const core::OtherAgent& other : others_) {
+      discs_.push_back({other.position_world_m, other.radius_m});
+    }
+    const core::EgoAgent& ego = agents_[agent].ego;
+    return lidar_.sweep(ego.position_world_m, ego.heading_world_rad, {.discs = discs_});
   }
 
   struct Action {
@@ -202,6 +216,8 @@ class IdealEpisode {
   std::vector<core::OtherAgent> around_;
   std::vector<core::OtherAgent> others_;
   std::vector<Action> decisions_;
+  sim::Lidar lidar_{config::Lidar()};
+  std::vector<sim::Disc> discs_;
   int steps_ = 0;
   int arrivals_ = 0;
   long queries_ = 0;

@@ -10,12 +10,14 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "learning/evaluation/case_file.h"
-#include "learning/evaluation/scores.h"
+#include "learning/evaluation/evaluation.h"
+#include "planner/policies/cadrl/published.h"
 #include "planner/policies/ga3c_cadrl/ga3c_cadrl.h"
 #include "planner/policies/ga3c_cadrl/weights.h"
 #include "planner/policies/table.h"
 #include "planner/policy_tools/import_checkpoint.h"
 #include "tests/support/reference.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::learning {
 namespace {
@@ -67,6 +69,33 @@ class PublishedOutcomes : public ::testing::TestWithParam<int> {
     return rows;
   }
 
+  // As many cases as were published; success within 2 percentage points, extra time within 5 %.
+  static void expectSimilar(const std::vector<EpisodeResult>& results,
+                            const std::vector<Published>& expected) {
+    ASSERT_GE(results.size(), expected.size());
+    int other_outcomes = 0;
+    int successes = 0;
+    int published_successes = 0;
+    double extra_time_s = 0.0;
+    double published_extra_time_s = 0.0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      other_outcomes += expected[i].outcome != nameOf(results[i].outcome) ? 1 : 0;
+      if (results[i].outcome == Outcome::kAllAtGoal) {
+        ++successes;
+        extra_time_s += results[i].mean_extra_time_s;
+      }
+      if (expected[i].outcome == "all_at_goal") {
+        ++published_successes;
+        published_extra_time_s += expected[i].mean_extra_time_s;
+      }
+    }
+    const double cases = static_cast<double>(expected.size());
+    EXPECT_LE(other_outcomes / cases, 0.02);
+    EXPECT_NEAR(successes / cases, published_successes / cases, 0.02);
+    EXPECT_NEAR(extra_time_s / successes, published_extra_time_s / published_successes,
+                0.05 * published_extra_time_s / published_successes);
+  }
+
   Evaluation evaluation_;
 };
 
@@ -89,22 +118,18 @@ TEST_P(PublishedOutcomes, TheNetworkEndsEveryCaseTheSameWayAtTheSameTime) {
 TEST_P(PublishedOutcomes, OrcaScoresTheSame) {
   planner::PolicyOptions options;
   options.orca = evaluation_.rules.orca;
-  const auto results = run(planner::makePolicy("orca", options));
-  const std::vector<Published> expected = published("ORCA");
-  const Score score = scoresOf(evaluation_, results).front();
-  double successes = 0.0;
-  double extra_time_s = 0.0;
-  int other_outcome = 0;
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    other_outcome += expected[i].outcome != nameOf(results[i].outcome) ? 1 : 0;
-    if (expected[i].outcome == "all_at_goal") {
-      successes += 1.0;
-      extra_time_s += expected[i].mean_extra_time_s;
-    }
-  }
-  EXPECT_LE(other_outcome, 5);
-  EXPECT_NEAR(score.success_share, successes / 500.0, 0.02);
-  EXPECT_NEAR(score.own.mean_s, extra_time_s / successes, 0.05 * extra_time_s / successes);
+  expectSimilar(run(planner::makePolicy("orca", options)), published("ORCA"));
+}
+
+// Its value network calculates in single precision here: near ties go the other way now and then.
+TEST_P(PublishedOutcomes, CadrlScoresTheSame) {
+  const test::ScratchFolder scratch;
+  const std::string weights = scratch / "cadrl.safetensors";
+  const std::string file =
+      test::referenceFolder() / "cadrl/no_constr_none_4_agents_policy_iter_1000.safetensors";
+  planner::nn::writeSafetensors(
+      weights, planner::importPublishedCadrl(planner::nn::readSafetensors(file), file));
+  expectSimilar(run(planner::makePolicy("cadrl:" + weights, {})), published("SACADRL"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Agents, PublishedOutcomes, ::testing::Values(2, 3, 4, 6),
