@@ -17,6 +17,8 @@ namespace {
 constexpr double kHeightReached_m = 0.15;
 // Slower than this, a vehicle on the floor has landed (and one that drives has stopped).
 constexpr double kAtRest_mps = 0.1;
+// The world of an older scan is another one.
+constexpr double kOldestScan_s = 0.3;
 // A take-off is straight up, give or take the drift since the fleet looked.
 constexpr double kTakeOffReach_m = 0.5;
 // Year 2200: a stamp beyond it is corrupt.
@@ -58,6 +60,11 @@ PlannerCore::PlannerCore(const config::Experiment& experiment, const std::string
         fmt::format("none, since the policy {} does not avoid them", policy_->name()),
         fmt::format("{}", obstacles_.size()));
   }
+  if (policy_->needsScan() && !this->vehicle().lidar) {
+    throw core::StartupError(experiment.file, fmt::format("vehicles[{}].lidar", own_index_),
+                             fmt::format("one, since the policy {} flies by it", policy_->name()),
+                             "none");
+  }
 }
 
 std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& frame) {
@@ -94,6 +101,7 @@ void PlannerCore::beginAnew() {
   resumed_ = false;
   pending_goals_.clear();
   goal_.reset();
+  scans_.clear();
   policy_->reset();
 }
 
@@ -146,6 +154,25 @@ const char* PlannerCore::onOrder(const core::SafetyOrder& order) {
   resumed_ = resumed_ || (resume && started());
   latch_.order(order.order);
   return nullptr;
+}
+
+const char* PlannerCore::onScan(const core::LaserScan& scan) {
+  if (scan.utime < 0 || (started() && scan.utime > gate_.last() + core::kFarAhead)) {
+    onRejected();
+    return "its time stamp is corrupt";
+  }
+  scans_.add(scan);
+  return nullptr;
+}
+
+/// Without ranges if there is none, or none that is new enough.
+core::RangeScan PlannerCore::freshScan(core::Utime now) {
+  const core::LaserScan* const scan = scans_.newestBefore(now);
+  if (scan == nullptr || core::toSeconds(now - scan->utime) > kOldestScan_s) {
+    return {};
+  }
+  return {scan->first_angle_rad, scan->angle_step_rad, vehicle().lidar->max_range_m,
+          scan->ranges_m};
 }
 
 void PlannerCore::applyGoals(core::Utime now) {
@@ -271,7 +298,7 @@ PlannerCore::Verdict PlannerCore::decideMode(core::Utime now) {
   if (const std::string lost = lostNeighbour(now); !lost.empty()) {
     return {motors_on_ ? Mode::kHolding : Mode::kOnFloor, lost};
   }
-  return obeyGoal();
+  return obeyGoal(now);
 }
 
 PlannerCore::Verdict PlannerCore::land(const std::string& reason) {
@@ -279,7 +306,7 @@ PlannerCore::Verdict PlannerCore::land(const std::string& reason) {
   return {landing_done_ ? Mode::kLanded : Mode::kLanding, reason};
 }
 
-PlannerCore::Verdict PlannerCore::obeyGoal() {
+PlannerCore::Verdict PlannerCore::obeyGoal(core::Utime now) {
   if (!goal_) {
     return inTheAir()                  ? Verdict{Mode::kHolding, "in the air without a goal"}
            : refused_take_off_.empty() ? Verdict{Mode::kOnFloor, "no goal yet"}
@@ -295,6 +322,9 @@ PlannerCore::Verdict PlannerCore::obeyGoal() {
     return {Mode::kOnFloor, refused_take_off_.empty()
                                 ? "on the floor: a take-off must come before go"
                                 : refused_take_off_};
+  }
+  if (needsScans() && freshScan(now).ranges_m.empty()) {
+    return {Mode::kHolding, "no laser scan"};
   }
   return {Mode::kFlying, refused_take_off_};
 }
@@ -360,6 +390,9 @@ void PlannerCore::fly(core::Utime now, core::Command& command, Status& status) {
   collectOthers(now);
   core::Surroundings around(others_);
   around.obstacles = obstacles_;
+  if (needsScans()) {
+    around.scan = freshScan(now);
+  }
   status.decision = policy_->decide(ego, around);
   const PlanarCommand planar = commandFrom(status.decision, ego, experiment_.planner);
   const Eigen::Vector2d velocity =

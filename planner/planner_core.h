@@ -10,6 +10,7 @@
 #include "common/config/experiment.h"
 #include "common/core/command.h"
 #include "common/core/frame_gate.h"
+#include "common/core/laser_scan.h"
 #include "common/core/planner_mode.h"
 #include "common/core/tick_timer.h"
 #include "common/core/vehicle_state.h"
@@ -17,6 +18,7 @@
 #include "planner/safety/order_latch.h"
 #include "planner/safety/room_guard.h"
 #include "planner/safety/tracks.h"
+#include "planner/scan_buffer.h"
 
 namespace roundabout::planner {
 
@@ -62,6 +64,11 @@ class PlannerCore {
   /// Takes effect at the next tick (or silence); KILL also at once, by killNow(). Returns why it
   /// was refused; nullptr: it was not, or it is for somebody else.
   const char* onOrder(const core::SafetyOrder& order);
+  /// A sweep of the vehicle's lidar; takes effect at the first tick after its utime. Without one
+  /// from the last 0.3 s a policy that needs scans does not fly: the vehicle holds. Returns why it
+  /// was refused; nullptr: it was not.
+  const char* onScan(const core::LaserScan& scan);
+  bool needsScans() const { return policy_->needsScan(); }
   /// utime of the order obeyed last; 0: none.
   core::Utime obeyedOrder() const { return obeyed_order_; }
 
@@ -97,7 +104,8 @@ class PlannerCore {
   void applyGoal(const core::Goal& goal);
   void latchFaults(core::Utime now);
   Verdict decideMode(core::Utime now);
-  Verdict obeyGoal();
+  Verdict obeyGoal(core::Utime now);
+  core::RangeScan freshScan(core::Utime now);
   Verdict land(const std::string& reason);
   std::string lostNeighbour(core::Utime now) const;
   bool inTheAir() const;
@@ -129,6 +137,7 @@ class PlannerCore {
   std::optional<core::Goal> goal_;
   std::vector<core::Polygon> obstacles_;
   std::vector<core::OtherAgent> others_;
+  ScanBuffer scans_;
   std::string refused_take_off_;  // why
   bool landing_done_ = false;
   int rejected_messages_ = 0;

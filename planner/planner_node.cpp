@@ -95,6 +95,24 @@ void PlannerNode::subscribe() {
         }
       },
       on_error);
+  if (core_.needsScans()) {
+    subscribeScans();
+  }
+}
+
+void PlannerNode::subscribeScans() {
+  const std::string channel = bus::laserScanChannel(core_.vehicle().name);
+  bus::subscribe<roundabout_msgs::planar_lidar_t>(
+      bus_, channel,
+      [this, channel,
+       scan = core::LaserScan()](const roundabout_msgs::planar_lidar_t& message) mutable {
+        if (const char* reason = bus::fromMessage(message, scan)) {
+          reject(channel, reason);
+        } else if (const char* refusal = core_.onScan(scan)) {
+          logRejection(channel, refusal);
+        }
+      },
+      [this](const bus::DecodeError& error) { reject(error.channel, error.reason); });
 }
 
 void PlannerNode::reject(std::string_view channel, const char* reason) {

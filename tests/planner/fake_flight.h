@@ -19,7 +19,10 @@ class ScriptedPolicy final : public Policy {
     core::EgoAgent ego;
     std::vector<core::OtherAgent> others;
     std::vector<core::Polygon> obstacles;
+    std::vector<float> ranges_m;
+    double max_range_m = 0.0;
     bool avoids_obstacles = true;
+    bool needs_scan = false;
     int calls = 0;
     int resets = 0;
   };
@@ -30,10 +33,13 @@ class ScriptedPolicy final : public Policy {
     script_->ego = ego;
     script_->others.assign(around.others.begin(), around.others.end());
     script_->obstacles.assign(around.obstacles.begin(), around.obstacles.end());
+    script_->ranges_m.assign(around.scan.ranges_m.begin(), around.scan.ranges_m.end());
+    script_->max_range_m = around.scan.max_range_m;
     ++script_->calls;
     return script_->decision;
   }
   bool avoidsObstacles() const override { return script_->avoids_obstacles; }
+  bool needsScan() const override { return script_->needs_scan; }
   void reset() override { ++script_->resets; }
   std::unique_ptr<Policy> twin() const override {
     return std::make_unique<ScriptedPolicy>(script_);
@@ -63,9 +69,11 @@ class FakeFlight {
  public:
   static constexpr core::Utime kFrame = 5'000;
 
-  explicit FakeFlight(config::Experiment described = threeVehicles())
+  explicit FakeFlight(config::Experiment described = threeVehicles(),
+                      std::shared_ptr<ScriptedPolicy::Script> its_script =
+                          std::make_shared<ScriptedPolicy::Script>())
       : experiment(std::move(described)),
-        script(std::make_shared<ScriptedPolicy::Script>()),
+        script(std::move(its_script)),
         core(experiment, "hex1", std::make_unique<ScriptedPolicy>(script)) {
     const double x[] = {0.0, 3.0, -3.0};
     for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {

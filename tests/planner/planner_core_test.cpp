@@ -588,6 +588,85 @@ TEST(PlannerCore, RefusesObstaclesThatItsPolicyDoesNotAvoid) {
             "1");
 }
 
+// hex1 flies by its lidar.
+struct ScanningFlight : FakeFlight {
+  ScanningFlight() : FakeFlight(withLidar(), scanning()) {}
+
+  static config::Experiment withLidar() {
+    config::Experiment experiment = threeVehicles();
+    experiment.vehicles[0].lidar = config::Lidar{};
+    experiment.vehicles[0].lidar->max_range_m = 5.0;
+    return experiment;
+  }
+  static std::shared_ptr<ScriptedPolicy::Script> scanning() {
+    const auto script = std::make_shared<ScriptedPolicy::Script>();
+    script->needs_scan = true;
+    return script;
+  }
+
+  const char* scan(core::Utime utime, float range_m) {
+    return core.onScan({utime, -1.0, 0.5, {range_m, range_m}});
+  }
+};
+
+TEST(PlannerCore, FliesByTheNewestScanFromBeforeTheTick) {
+  ScanningFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  const core::Utime tick = flight.now / 100'000 * 100'000 + 100'000;
+  EXPECT_EQ(flight.scan(tick - 50'000, 1.0F), nullptr);
+  EXPECT_EQ(flight.scan(tick - 25'000, 2.0F), nullptr);
+  EXPECT_EQ(flight.scan(tick, 3.0F), nullptr);  // as of the tick: for the next one
+  flight.run(core::toSeconds(tick - flight.now));
+  EXPECT_EQ(flight.ticks.back().status.mode, Mode::kFlying);
+  EXPECT_EQ(flight.script->ranges_m, (std::vector{2.0F, 2.0F}));
+  EXPECT_EQ(flight.script->max_range_m, 5.0);
+  flight.run(0.1);
+  EXPECT_EQ(flight.script->ranges_m, (std::vector{3.0F, 3.0F}));
+}
+
+TEST(PlannerCore, HoldsWithoutAFreshScan) {
+  ScanningFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  EXPECT_EQ(flight.ticks.back().status.mode, Mode::kHolding);
+  EXPECT_EQ(flight.ticks.back().status.reason, "no laser scan");
+  EXPECT_EQ(flight.script->calls, 0);
+
+  flight.scan(flight.now / 100'000 * 100'000, 1.0F);
+  for (const Mode expected : {Mode::kFlying, Mode::kFlying, Mode::kFlying, Mode::kHolding}) {
+    EXPECT_EQ(flight.run(0.1).status.mode, expected);
+  }
+  EXPECT_EQ(flight.ticks.back().command.mode, CommandMode::kHold);
+}
+
+TEST(PlannerCore, LandsWithoutAScanToo) {
+  ScanningFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.goal(GoalPhase::kLand, {0.0, 0.0, 0.0}, 3);
+  EXPECT_EQ(flight.run(0.2).status.mode, Mode::kLanding);
+}
+
+TEST(PlannerCore, RefusesScansFromNoSuchTimeAndKeepsNoMoreThanItNeeds) {
+  ScanningFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  EXPECT_NE(flight.scan(-1, 1.0F), nullptr);
+  EXPECT_NE(flight.scan(flight.now + 3600 * core::kMicrosPerSecond, 1.0F), nullptr);
+  // Scans of the near future push out all others: the vehicle holds.
+  flight.scan(flight.now, 1.0F);
+  for (int i = 0; i < 1000; ++i) {
+    flight.scan(flight.now + core::kMicrosPerSecond, 1.0F);
+  }
+  EXPECT_EQ(flight.run(0.1).status.reason, "no laser scan");
+}
+
+TEST(PlannerCore, RefusesAPolicyThatScansOnAVehicleWithoutLidar) {
+  EXPECT_EQ(test::startupErrorOf([&] {
+              PlannerCore(threeVehicles(), "hex1",
+                          std::make_unique<ScriptedPolicy>(ScanningFlight::scanning()));
+            }),
+            "test: vehicles[0].lidar: expected one, since the policy scripted flies by it, found "
+            "none");
+}
+
 TEST(PlannerCore, AVehicleThatDrivesNeedsNoTakeOff) {
   config::Experiment experiment = threeVehicles();
   experiment.vehicles[0].model = "unicycle";

@@ -254,5 +254,56 @@ TEST_F(PlannerNodeTest, SaysWhichOrderItObeyed) {
   EXPECT_EQ(statuses_.back().order_utime, 90);
 }
 
+TEST(PlannerNodeScans, ReachThePolicyAndHostileOnesAreCounted) {
+  config::Experiment experiment = threeVehicles();
+  experiment.vehicles[0].lidar = config::Lidar{};
+  experiment.vehicles[0].model = "unicycle";  // needs no take-off
+  auto script = std::make_shared<ScriptedPolicy::Script>();
+  script->needs_scan = true;
+  const auto network = std::make_shared<bus::MemoryNetwork>();
+  bus::MemoryBus planner_bus(network);
+  bus::MemoryBus lab(network);
+  PlannerNode node(experiment, "hex1", std::make_unique<ScriptedPolicy>(script), planner_bus);
+  int rejected = -1;
+  bus::subscribe<roundabout_msgs::planner_status_t>(
+      lab, "PLANNER_STATUS_hex1",
+      [&](const roundabout_msgs::planner_status_t& status) { rejected = status.rejected_messages; },
+      [](const bus::DecodeError&) { FAIL(); });
+
+  core::StatesFrame frame;
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    core::VehicleState state;
+    state.name = vehicle.name;
+    state.tracked = true;
+    state.position_world_m.x() = 2.0 * static_cast<double>(frame.vehicles.size());
+    frame.vehicles.push_back(state);
+  }
+  const auto send = [&](core::Utime utime) {
+    frame.utime = utime;
+    for (core::VehicleState& state : frame.vehicles) {
+      state.last_seen = utime;
+    }
+    bus::publish(lab, bus::kStatesChannel, bus::toMessage(frame));
+  };
+  send(1'000'000);
+  bus::publish(lab, bus::goalChannel("hex1"),
+               bus::toMessage(core::Goal{.utime = 1'000'000,
+                                         .vehicle = "hex1",
+                                         .goal_id = 1,
+                                         .position_world_m = {-4.0, 0.0, 0.0},
+                                         .heading_world_rad = 0.0,
+                                         .phase = core::GoalPhase::kGo}));
+  std::vector<std::byte> scan =
+      bus::encode(bus::toMessage(core::LaserScan{1'050'000, -1.0, 0.1, {1.5F, 2.5F}}));
+  lab.publish("LASER_SCAN_hex1", scan);
+  scan[16] = std::byte{0x7f};
+  lab.publish("LASER_SCAN_hex1", scan);
+  send(1'100'000);
+  planner_bus.handle(milliseconds(0));
+  lab.handle(milliseconds(0));
+  EXPECT_EQ(script->ranges_m, (std::vector{1.5F, 2.5F}));
+  EXPECT_EQ(rejected, 1);
+}
+
 }  // namespace
 }  // namespace roundabout::planner
