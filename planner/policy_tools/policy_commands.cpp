@@ -1,12 +1,19 @@
 #include "planner/policy_tools/policy_commands.h"
 
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "common/core/error.h"
 #include "planner/nn/safetensors.h"
 #include "planner/policies/cadrl/published.h"
+#include "planner/policies/ga3c_cadrl/weights.h"
+#include "planner/policy_tools/gates/figure.h"
 #include "planner/policy_tools/import_checkpoint.h"
 #include "planner/policy_tools/info.h"
 #include "planner/policy_tools/query.h"
@@ -68,6 +75,50 @@ void addQuery(CLI::App& policy) {
   });
 }
 
+std::ofstream fileToWrite(const std::filesystem::path& path) {
+  std::ofstream file(path);
+  if (!file) {
+    throw core::StartupError(path.string(), "gates", "a file that can be written",
+                             std::strerror(errno));
+  }
+  return file;
+}
+
+void analyseGatesOf(const std::string& path, const std::vector<std::string>& scenes,
+                    const std::string& folder) {
+  const auto weights = readGa3cCadrlWeights(path);
+  std::vector<GateAnalysis> analyses;
+  for (const std::string& scene : scenes) {
+    analyses.push_back(analyseGates(*weights, path, readGateScene(scene)));
+  }
+  writeGatesCsv(analyses, std::cout);
+  if (!folder.empty()) {
+    std::filesystem::create_directories(folder);
+    std::ofstream csv = fileToWrite(std::filesystem::path(folder) / "gates.csv");
+    writeGatesCsv(analyses, csv);
+    drawGates(analyses, std::filesystem::path(folder) / "gates");
+  }
+}
+
+void addGates(CLI::App& policy) {
+  struct Arguments {
+    std::string path;
+    std::vector<std::string> scenes;
+    std::string folder;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = policy.add_subcommand(
+      "gates", "Split the LSTM's input gate into its parts as each other agent is read");
+  command->add_option("FILE", arguments->path, "FILE.safetensors")->required();
+  command->add_option("--scene", arguments->scenes, "SCENE.yaml; one row of the figure each")
+      ->required();
+  command->add_option("--out", arguments->folder,
+                      "Folder for gates.csv, gates.png and gates.svg; without it only the table is "
+                      "printed");
+  command->callback(
+      [arguments] { analyseGatesOf(arguments->path, arguments->scenes, arguments->folder); });
+}
+
 }  // namespace
 
 void addPolicyCommands(CLI::App& parent) {
@@ -76,6 +127,7 @@ void addPolicyCommands(CLI::App& parent) {
   addImport(*policy);
   addInfo(*policy);
   addQuery(*policy);
+  addGates(*policy);
 }
 
 }  // namespace roundabout::planner

@@ -4,7 +4,7 @@
 
 namespace roundabout::planner {
 
-/// Adds `policy import`, `policy info` and `policy query` to `parent`. They run while it parses;
+/// Adds `policy import`, `info`, `query` and `gates` to `parent`. They run while it parses;
 /// failures leave as core::StartupError, and as CLI::RuntimeError (exit status 1) after a query
 /// with bad lines.
 void addPolicyCommands(CLI::App& parent);

@@ -16,8 +16,7 @@ Ga3cCadrlNetwork::Output Ga3cCadrlNetwork::evaluate(const Observation& observati
   joint_.head<Weights::kEgoInputs>() = (ego - net.ego_mean).cwiseQuotient(net.ego_deviation);
   others_.clear();
   for (const OtherFeatures& features : observation.others) {
-    const Eigen::Map<const OtherInput> other(features.data());
-    others_.emplace_back((other - net.other_mean).cwiseQuotient(net.other_deviation));
+    others_.push_back(net.normalisedOther(features));
   }
   const Eigen::Index summary_size = joint_.size() - Weights::kEgoInputs;
   std::visit([&](const auto& reader) { reader.read(others_, joint_.tail(summary_size)); },

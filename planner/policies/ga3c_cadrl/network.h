@@ -36,6 +36,11 @@ struct Ga3cCadrlWeights {
   nn::Dense<Eigen::Dynamic, kWidth> layer1;  ///< inputs: the ego, then the summary of the others
   nn::Dense<kWidth, kWidth> layer2, layer3;
   nn::Dense<kWidth, kActionCount + 1> heads;  ///< the actions' scores, then the value
+
+  OtherInput normalisedOther(const OtherFeatures& features) const {
+    const Eigen::Map<const OtherInput> other(features.data());
+    return (other - other_mean).cwiseQuotient(other_deviation);
+  }
 };
 
 /// Evaluates a network on its own scratch memory. Allocates nothing.

@@ -118,9 +118,21 @@ TEST_F(PolicyCommands, QueryFailsAtTheEndWhenALineWasBad) {
   EXPECT_EQ(exit_status, 1);
 }
 
+TEST_F(PolicyCommands, GatesWritesATableAndItsFigure) {
+  test::writeRandomGa3cCadrl(weights_);
+  const std::string scenes = std::string(ROUNDABOUT_SOURCE_DIR) + "/experiments/gates/";
+  CaptureStdout();
+  run("policy gates " + weights_ + " --scene " + scenes + "approaching.yaml --scene " + scenes +
+      "leaving.yaml --out " + (folder_ / "out").string());
+  EXPECT_THAT(GetCapturedStdout(), HasSubstr("\nleaving,6,"));
+  for (const char* file : {"out/gates.csv", "out/gates.png", "out/gates.svg"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / file)) << file;
+  }
+}
+
 TEST_F(PolicyCommands, AskForTheirArguments) {
   for (const char* arguments : {"policy", "policy import x", "policy import -o x", "policy info",
-                                "policy query", "policy nonsense"}) {
+                                "policy query", "policy gates", "policy nonsense"}) {
     EXPECT_THROW(run(arguments), CLI::ParseError) << arguments;
   }
 }
