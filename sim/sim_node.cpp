@@ -29,6 +29,8 @@ SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utim
       next_utime_(first_utime),
       world_(experiment, first_utime),
       mocap_(experiment, world_.stepUs()),
+      scanners_(experiment),
+      bus_(bus),
       publisher_(bus, namesOf(experiment)) {
   mocap_.observe(world_.now(), world_.bodies());
   const auto on_error = [this](const bus::DecodeError& error) {
@@ -93,8 +95,17 @@ void SimNode::advance() {
 }
 
 core::Utime SimNode::publishFrame() {
+  publishScans();
   publisher_.publish(exposeNext());
   return publisher_.lastPublished().utime;
+}
+
+/// Of the world as it is now, which is as much newer than the frame as that is late.
+void SimNode::publishScans() {
+  for (const LaserScanners::Sweep& sweep : scanners_.sweep(world_.now(), world_.bodies())) {
+    bus::publish(bus_, bus::laserScanChannel(experiment_.vehicles[sweep.vehicle].name),
+                 bus::toMessage(sweep.scan));
+  }
 }
 
 void SimNode::skipFrame() {

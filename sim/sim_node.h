@@ -10,12 +10,13 @@
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "sim/mocap_model.h"
 #include "sim/rejections.h"
+#include "sim/sensors/laser_scanners.h"
 #include "sim/world.h"
 
 namespace roundabout::sim {
 
-/// The simulator on a bus: COMMAND_<vehicle> in, VEHICLE_STATES out. It does not wait for anything:
-/// when the next frame goes out is the pacing's business.
+/// The simulator on a bus: COMMAND_<vehicle> in, VEHICLE_STATES and LASER_SCAN_<vehicle> out. It
+/// does not wait for anything: when the next frame goes out is the pacing's business.
 class SimNode {
  public:
   struct Report {
@@ -34,7 +35,8 @@ class SimNode {
   /// Advances the world to the time at which the next frame goes out. The commands that are handled
   /// until the next call reach their vehicles at that time.
   void advance();
-  /// Publishes the frame that the last advance() was for; returns its utime.
+  /// Publishes the sweeps of lidars that are due, then the frame that the last advance() was for,
+  /// so that who has heard the frame has the scans too; returns the frame's utime.
   core::Utime publishFrame();
   /// In place of publishFrame(): the frame is lost, its number too.
   void skipFrame();
@@ -56,6 +58,7 @@ class SimNode {
   void onFleetStatus(const roundabout_msgs::fleet_status_t& message);
   const char* refusalOf(const roundabout_msgs::fleet_status_t& message) const;
   const core::StatesFrame& exposeNext();
+  void publishScans();
   void logNewContacts();
 
   const config::Experiment experiment_;
@@ -65,6 +68,8 @@ class SimNode {
   core::Utime last_fleet_status_ = 0;
   World world_;
   MocapModel mocap_;
+  LaserScanners scanners_;
+  bus::Bus& bus_;
   mocap_bridge::StatePublisher publisher_;
   Rejections rejections_;
   std::int64_t skipped_frames_ = 0;

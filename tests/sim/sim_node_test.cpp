@@ -1,6 +1,7 @@
 #include "sim/sim_node.h"
 
 #include <limits>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -232,6 +233,66 @@ TEST_F(SimNodeTest, ASkippedFrameIsAGapInTheNumbersButNotInTheWorld) {
   EXPECT_EQ(frames_[1].frame_number, 2);
   EXPECT_EQ(frames_[1].utime, kBegin + 10'000);
   EXPECT_EQ(node_.report().skipped_frames, 1);
+}
+
+TEST(SimNodeLidar, PublishesSweepsAtTheirRateBeforeTheFrame) {
+  config::Experiment experiment = twoVehicles();
+  experiment.vehicles[0].lidar = config::Lidar{};
+  experiment.vehicles[0].lidar->beams = 3;
+  const auto network = std::make_shared<bus::MemoryNetwork>();
+  bus::MemoryBus sim(network);
+  bus::MemoryBus lab(network);
+  SimNode node(experiment, sim, kBegin);
+  std::vector<roundabout_msgs::planar_lidar_t> scans;
+  std::vector<std::string> channels;
+  const auto fail = [](const bus::DecodeError& error) { ADD_FAILURE() << error.reason; };
+  bus::subscribe<roundabout_msgs::planar_lidar_t>(
+      lab, "LASER_SCAN_hex1",
+      [&](const roundabout_msgs::planar_lidar_t& scan) {
+        scans.push_back(scan);
+        channels.emplace_back("scan");
+      },
+      fail);
+  bus::subscribe<roundabout_msgs::planar_lidar_t>(
+      lab, "LASER_SCAN_hex2",
+      [](const roundabout_msgs::planar_lidar_t&) { ADD_FAILURE() << "hex2 has no lidar"; }, fail);
+  bus::subscribe<roundabout_msgs::vehicle_states_t>(
+      lab, bus::kStatesChannel,
+      [&](const roundabout_msgs::vehicle_states_t&) { channels.emplace_back("states"); }, fail);
+  for (int k = 0; k < 41; ++k) {
+    node.advance();
+    node.publishFrame();
+    lab.handle(std::chrono::milliseconds(0));
+  }
+  // 40 Hz for 0.2 s of frames at 200 Hz; the first one at once.
+  ASSERT_EQ(scans.size(), 9U);
+  EXPECT_EQ(channels.front(), "scan");
+  EXPECT_EQ(channels[1], "states");
+  EXPECT_EQ(scans[0].utime, kBegin + node.latencyUs());
+  EXPECT_EQ(scans[8].utime - scans[7].utime, 25'000);
+  // hex2 stands 4 m ahead.
+  EXPECT_FLOAT_EQ(scans[0].ranges[0], 6.0F);
+  EXPECT_NEAR(scans[0].ranges[1], 4.0 - experiment.vehicles[1].body_radius_m, 1e-5);
+  EXPECT_FLOAT_EQ(scans[0].rad0, static_cast<float>(-std::numbers::pi / 2.0));
+}
+
+TEST(LaserScannersTest, SeeObstaclesAndWallsAsTheExperimentSays) {
+  config::Experiment experiment = twoVehicles();
+  experiment.vehicles[0].lidar = config::Lidar{};
+  experiment.vehicles[0].lidar->beams = 3;
+  experiment.vehicles[0].lidar->max_range_m = 50.0;
+  experiment.obstacles = {{"box", {{-2.5, 1.0}, {-1.5, 1.0}, {-1.5, 2.0}, {-2.5, 2.0}}}};
+  std::vector<BodyState> bodies(2);
+  bodies[0].position_world_m = {-2.0, 0.0, 1.0};
+  bodies[1].position_world_m = {2.0, 0.0, 0.0};
+  const auto ranges = [&] {
+    LaserScanners scanners(experiment);
+    return scanners.sweep(kBegin, bodies)[0].scan.ranges_m;
+  };
+  EXPECT_FLOAT_EQ(ranges()[0], 50.0F);
+  EXPECT_FLOAT_EQ(ranges()[2], 1.0F);
+  experiment.vehicles[0].lidar->sees_room_walls = true;
+  EXPECT_FLOAT_EQ(ranges()[0], 10.0F);
 }
 
 TEST(RunSim, RefusesAnExperimentWithAnotherSourceOfStates) {
