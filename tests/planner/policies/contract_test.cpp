@@ -39,13 +39,20 @@ struct Answer {
   std::vector<float> probabilities;
 };
 
+// The table's ga3c_cadrl again, with a network of another architecture.
+constexpr std::string_view kSharedWeights = "ga3c_cadrl_ws";
+
 class PolicyContract : public ::testing::TestWithParam<std::string> {
  protected:
   std::unique_ptr<Policy> make() { return makePolicy(specification_, {}); }
 
   void SetUp() override {
-    specification_ = GetParam();
-    if (GetParam() == "ga3c_cadrl") {
+    specification_ = tableName();
+    if (GetParam() == kSharedWeights) {
+      const std::string weights = folder_ / "weights.safetensors";
+      nn::writeSafetensors(weights, test::randomGa3cCadrl(1, kWeightSharingArchitecture, 5));
+      specification_ += ":" + weights;
+    } else if (GetParam() == "ga3c_cadrl") {
       const std::string weights = folder_ / "weights.safetensors";
       test::writeRandomGa3cCadrl(weights);
       specification_ += ":" + weights;
@@ -62,6 +69,10 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
     for (float& range_m : ranges_m_) {
       range_m = static_cast<float>(random.uniform(0.0, 6.0));
     }
+  }
+
+  static std::string tableName() {
+    return GetParam() == kSharedWeights ? "ga3c_cadrl" : GetParam();
   }
 
   // With a scan for policies that need one; it has nothing to do with the scene.
@@ -110,7 +121,7 @@ void expectSound(const Scene& scene, const Decision& decision) {
             std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin());
 }
 
-TEST_P(PolicyContract, NameIsTheTables) { EXPECT_EQ(make()->name(), GetParam()); }
+TEST_P(PolicyContract, NameIsTheTables) { EXPECT_EQ(make()->name(), tableName()); }
 
 TEST_P(PolicyContract, DecisionsAreSound) {
   const auto policy = make();
@@ -302,6 +313,7 @@ std::vector<std::string> policyNames() {
   for (const PolicyEntry& entry : policyTable()) {
     names.emplace_back(entry.name);
   }
+  names.emplace_back(kSharedWeights);
   return names;
 }
 
