@@ -10,6 +10,7 @@
 
 #include "planner/policy_tools/query.h"
 #include "tests/support/cadrl_weights.h"
+#include "tests/support/drl_maca_weights.h"
 #include "tests/support/reference.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/startup_error.h"
@@ -92,6 +93,22 @@ TEST_F(PolicyCommands, InfoAndQueryKnowNetworksThatShareWeights) {
   std::ostringstream errors;
   EXPECT_EQ(queryPolicy(weights_, lines, out, errors), 0);
   EXPECT_THAT(out.str(), HasSubstr("\"value\":"));
+}
+
+TEST_F(PolicyCommands, InfoKnowsNetworksThatScan) {
+  nn::writeSafetensors(weights_, test::randomDrlMaca());
+  CaptureStdout();
+  run("policy info " + weights_);
+  EXPECT_THAT(GetCapturedStdout(),
+              AllOf(HasSubstr("architecture      drl_maca\n"), HasSubstr("beams             512\n"),
+                    HasSubstr("actor/dense1/kernel ")));
+  nn::TensorFile file = test::randomDrlMaca();
+  file.tensors.erase("actor/linear/bias");
+  nn::writeSafetensors(weights_, file);
+  CaptureStdout();
+  const std::string error = test::startupErrorOf([this] { run("policy info " + weights_); });
+  GetCapturedStdout();
+  EXPECT_THAT(error, HasSubstr("tensor actor/linear/bias: expected shape [1]"));
 }
 
 TEST_F(PolicyCommands, InfoRefusesWhatNoPolicyAccepts) {
