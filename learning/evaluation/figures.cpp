@@ -266,6 +266,7 @@ std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
   const auto every = static_cast<std::size_t>(std::lround(kCirclesEvery_s / motion.step_s));
   const auto labelled = static_cast<std::size_t>(std::lround(kTimesEvery_s / motion.step_s));
   const std::size_t agents = motion.test_case.agents.size();
+  const bool crowded = agents > 10;  // room for the times of arrival only
   std::vector<std::string> circles;
   std::vector<std::string> times;
   std::vector<std::string> crashes;
@@ -278,7 +279,7 @@ std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
       if (arrives || (!done && step % every == 0)) {
         circles.push_back(circleRow(motion, step, i, lightness));
       }
-      if (arrives || (!done && step > 0 && step % labelled == 0)) {
+      if (arrives || (!done && !crowded && step > 0 && step % labelled == 0)) {
         const Vector2d& at = motion.trace[step][i].position_m;
         times.push_back(fmt::format("{:.3f} {:.3f} \"{:.1f}\"", at.x(), at.y(),
                                     static_cast<double>(step) * motion.step_s));

@@ -21,6 +21,7 @@ using Eigen::Vector2d;
 constexpr std::array<std::string_view, 4> kKinds{"mixed", "random", "circle", "swap"};
 constexpr double kGrowth = 1.01;
 constexpr int kTriesBeforeGrowth = 10;
+constexpr int kPatience = 10'000;
 constexpr int kMaxTries = 100'000;
 constexpr double kFullTurn_rad = 2.0 * std::numbers::pi;
 
@@ -110,7 +111,8 @@ class Generator {
       do {
         spec.start_m = place();
         spec.goal_m = place();
-        half_side_m *= kGrowth;
+        // Who has to meet others has to look for a place in any case.
+        half_side_m *= settings_.force_interaction || tries_ > kPatience ? kGrowth : 1.0;
         countTry();
       } while (!acceptable(spec, result.agents, half_side_m));
       result.agents.push_back(spec);

@@ -49,12 +49,12 @@ Suite table1() {
 
 Suite crowd() {
   Suite suite{"crowd", {}, {}};
-  for (const auto& [agents, half_side_m] : {std::pair(20, 11.0), std::pair(40, 16.0)}) {
+  for (const auto& [agents, half_side_m] : {std::pair(20, 8.0), std::pair(40, 11.0)}) {
     GeneratorSettings settings;
     settings.agents = agents;
     settings.half_side_m = half_side_m;
     settings.max_speed_mps = 2.0;
-    settings.min_gap_m = 2.0;
+    settings.min_gap_m = 1.0;
     settings.force_interaction = false;
     suite.groups.push_back({agentsText(static_cast<std::size_t>(agents)),
                             generateCases("random", settings, 10, kSeed)});
