@@ -138,6 +138,31 @@ std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begi
   return rows;
 }
 
+const std::vector<config::Obstacle>& obstaclesOf(const Flight& flight) {
+  static const std::vector<config::Obstacle> kNone;
+  return flight.experiment ? flight.experiment->obstacles : kNone;
+}
+
+void includeObstacles(PlanView& view, const Flight& flight) {
+  for (const config::Obstacle& obstacle : obstaclesOf(flight)) {
+    for (const Eigen::Vector2d& corner : obstacle.points_m) {
+      view.include(corner, 0.0);
+    }
+  }
+}
+
+void addObstacles(Plot& plot, const Flight& flight) {
+  for (const config::Obstacle& obstacle : obstaclesOf(flight)) {
+    std::vector<std::string> rows;
+    for (const Eigen::Vector2d& corner : obstacle.points_m) {
+      rows.push_back(fmt::format("{:.3f} {:.3f}", corner.x(), corner.y()));
+    }
+    rows.push_back(rows.front());
+    plot.add(rows,
+             "with filledcurves closed fc rgb \"#9aa3ad\" fs solid border lc rgb \"#555555\"");
+  }
+}
+
 void addPaths(Plot& plot, const Flight& flight, std::size_t begin, std::size_t end, double step_m) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     const Color color = mix(vehicleColor(i, flight.vehicles.size()), kBlack, 0.25);
@@ -209,6 +234,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
 
   PlanView view;
   includePaths(view, flight, begin, end);
+  includeObstacles(view, flight);
   for (const LegMetrics& leg : formation.legs) {
     view.include(leg.goal_world_m.head<2>(), kStarRadiusM);
   }
@@ -216,6 +242,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
   view.set(script, figure.caption);
 
   Plot plot(script);
+  addObstacles(plot, flight);
   plot.add(circleRows(flight, begin, end, formed_at_s, interval_s),
            "with circles lc rgb variable fs solid border lc rgb \"#60ffffff\"");
   addPaths(plot, flight, begin, end, kPathStepM);
@@ -235,9 +262,11 @@ void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& me
   figure.caption = "paths of the centres; diamond: start, grey star: a goal";
   PlanView view;
   includePaths(view, flight, 0, end);
+  includeObstacles(view, flight);
   beginFigure(script, view.size(), figure.title);
   view.set(script, figure.caption);
   Plot plot(script);
+  addObstacles(plot, flight);
   for (const FormationMetrics& formation : metrics.formations) {
     for (const LegMetrics& leg : formation.legs) {
       addStar(plot, leg.goal_world_m, {190, 190, 190});

@@ -7,6 +7,7 @@
 
 #include "logs/metrics/faults.h"
 #include "logs/metrics/formations.h"
+#include "logs/metrics/obstacles.h"
 #include "logs/metrics/separation.h"
 #include "logs/metrics/timing.h"
 #include "logs/metrics/vehicles.h"
@@ -34,6 +35,11 @@ std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics
     failures.push_back(fmt::format("the bodies of {} and {} touched at {:.1f} s (overlap {:.2f} m)",
                                    touch.vehicle_a, touch.vehicle_b, touch.begin_at_s,
                                    -touch.closest_gap_m));
+  }
+  for (const ClosestGap& touch : metrics.obstacles.touches) {
+    failures.push_back(
+        fmt::format("the body of {} touched obstacle {} at {:.1f} s (overlap {:.2f} m)",
+                    touch.vehicle_a, touch.vehicle_b, touch.at_s, -touch.gap_m));
   }
   for (const Unseen& unseen : metrics.separation.unseen) {
     failures.push_back(fmt::format(
@@ -76,6 +82,7 @@ Metrics computeMetrics(const Flight& flight) {
   Metrics metrics;
   metrics.timing = timingOf(flight);
   metrics.separation = separationOf(flight);
+  metrics.obstacles = obstaclesOf(flight);
   metrics.phases = phasesOf(flight);
   metrics.formations =
       formationsOf(flight, metrics.phases, gapsOverTime(flight), metrics.separation);

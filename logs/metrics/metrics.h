@@ -61,6 +61,12 @@ struct SeparationMetrics {
   double approaching_time_s = 0.0;    ///< sum over approaches
 };
 
+/// Bodies under way and the experiment's obstacles; vehicle_b is the obstacle's name.
+struct ObstacleMetrics {
+  ClosestGap closest;
+  std::vector<ClosestGap> touches;  ///< the deepest of each body with each obstacle
+};
+
 /// One vehicle's way to its place in a formation.
 struct LegMetrics {
   std::string vehicle;
@@ -164,6 +170,7 @@ struct Metrics {
   std::vector<std::string> failures;  ///< why not, one line each; empty on success
   TimingMetrics timing;
   SeparationMetrics separation;
+  ObstacleMetrics obstacles;
   std::vector<FormationMetrics> formations;
   std::vector<VehicleMetrics> vehicles;
   std::vector<PhaseMetrics> phases;

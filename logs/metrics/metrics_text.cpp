@@ -101,7 +101,7 @@ std::string faultText(const Flight& flight, const Metrics& metrics) {
 
 std::string headline(const Metrics& metrics) {
   const std::size_t flown = metrics.formations.size();
-  const std::size_t touches = metrics.separation.touches.size();
+  const std::size_t touches = metrics.separation.touches.size() + metrics.obstacles.touches.size();
   const std::string formed =
       flown == 0 ? "no formation flown"
                  : fmt::format("{} of {} formations formed", metrics.formationsFormed(), flown);
@@ -133,6 +133,9 @@ std::string toText(const Flight& flight, const Metrics& metrics) {
   const SeparationMetrics& separation = metrics.separation;
   text += fmt::format("closest bodies       {}\n", describe(separation.body_gap));
   text += fmt::format("closest assumed      {}\n", describe(separation.assumed_gap));
+  if (std::isfinite(metrics.obstacles.closest.gap_m)) {
+    text += fmt::format("closest obstacle     {}\n", describe(metrics.obstacles.closest));
+  }
   text += fmt::format("closer than assumed  {} times, {:.1f} s in total\n",
                       separation.approaches.size(), separation.approaching_time_s);
   text += fmt::format("{}\n", flight.experiment_note);

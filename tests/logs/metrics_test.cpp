@@ -42,7 +42,9 @@ class MetricsTest : public testing::Test {
   Metrics measure() {
     const std::string log = folder_.file("flight.lcm");
     synthetic_.write(log);
-    writeFile(folder_.file("experiment.yaml"), config::toYaml(synthetic_.experiment()));
+    config::Experiment experiment = synthetic_.experiment();
+    experiment.obstacles = obstacles_;
+    writeFile(folder_.file("experiment.yaml"), config::toYaml(experiment));
     flight_ = readFlight(log);
     return computeMetrics(flight_);
   }
@@ -56,6 +58,7 @@ class MetricsTest : public testing::Test {
   }
 
   test::ScratchFolder folder_;
+  std::vector<config::Obstacle> obstacles_;
   SyntheticFlight synthetic_;
   Flight flight_;
 };
@@ -85,6 +88,29 @@ TEST_F(MetricsTest, TimesACloserApproachThanTheAssumedRadii) {
   EXPECT_NEAR(metrics.separation.approaches[0].closest_gap_m, -0.2, 1e-3);
   EXPECT_EQ(metrics.formations[0].approaches, 1);
   EXPECT_TRUE(metrics.success);
+}
+
+TEST_F(MetricsTest, SaysHowNearAnObstacleABodyCame) {
+  passAt(1.2);
+  obstacles_ = {{"box", {{1.0, -2.0}, {2.0, -2.0}, {2.0, -0.5}, {1.0, -0.5}}}};
+  const Metrics metrics = measure();
+  EXPECT_NEAR(metrics.obstacles.closest.gap_m, 0.15, 1e-4);
+  EXPECT_EQ(metrics.obstacles.closest.vehicle_a, "hex1");
+  EXPECT_EQ(metrics.obstacles.closest.vehicle_b, "box");
+  EXPECT_GE(metrics.obstacles.closest.at_s, 6.0 - kFrameS);
+  EXPECT_LE(metrics.obstacles.closest.at_s, 7.0 + kFrameS);
+  EXPECT_TRUE(metrics.success);
+}
+
+TEST_F(MetricsTest, ATouchedObstacleFailsTheFlight) {
+  passAt(1.2);
+  obstacles_ = {{"box", {{1.0, -2.0}, {2.0, -2.0}, {2.0, -0.3}, {1.0, -0.3}}}};
+  const Metrics metrics = measure();
+  EXPECT_FALSE(metrics.success);
+  ASSERT_EQ(metrics.failures.size(), 1u);
+  EXPECT_THAT(metrics.failures[0], HasSubstr("the body of hex1 touched obstacle box at 6.0 s "
+                                             "(overlap 0.05 m)"));
+  EXPECT_THAT(headline(metrics), HasSubstr("1 collision"));
 }
 
 TEST_F(MetricsTest, CountsACollisionAndCallsTheFlightFailed) {
