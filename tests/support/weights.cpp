@@ -1,10 +1,6 @@
 #include "tests/support/weights.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
-#include "common/core/random.h"
+#include "tests/support/random_tensors.h"
 
 namespace roundabout::test {
 
@@ -17,19 +13,8 @@ planner::Normalisation unusualNormalisation() {
 
 planner::nn::TensorFile randomGa3cCadrl(std::uint64_t seed, std::string_view architecture,
                                         int max_others) {
-  planner::nn::TensorFile file;
-  for (const planner::nn::TensorSpec& spec : planner::ga3cCadrlTensors(architecture, max_others)) {
-    core::RandomStream random(seed, spec.name);
-    // Sums over the inputs come out near one, so that no unit saturates.
-    const double deviation = spec.rows == 0 ? 0.1 : 1.5 / std::sqrt(spec.rows);
-    planner::nn::Tensor tensor;
-    tensor.shape = spec.shape();
-    tensor.values.resize(static_cast<std::size_t>(std::max(spec.rows, 1) * spec.columns));
-    for (float& value : tensor.values) {
-      value = static_cast<float>(random.normal(deviation));
-    }
-    file.tensors.emplace(spec.name, std::move(tensor));
-  }
+  planner::nn::TensorFile file =
+      randomTensors(planner::ga3cCadrlTensors(architecture, max_others), seed);
   file.metadata = planner::ga3cCadrlMetadata({.architecture = architecture,
                                               .normalisation = unusualNormalisation(),
                                               .max_others = max_others,
