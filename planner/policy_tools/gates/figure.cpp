@@ -183,6 +183,9 @@ void drawStack(GnuplotScript& script, const GateAnalysis& analysis, double highe
     rows.push_back(fmt::format("{} {:.6f} {:.6f} {:.6f}", i + 1, step.state_part, step.hidden_part,
                                step.bias_part));
   }
+  if (rows.size() == 1) {
+    rows.push_back("2" + rows.front().substr(1));  // one agent has no area: as wide as a second
+  }
   const std::string block = "gate" + std::to_string(row);
   script.data(block, rows);
   script.line("set title \"input gate\"");

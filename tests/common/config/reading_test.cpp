@@ -179,7 +179,9 @@ std::vector<std::filesystem::path> shippedExperiments() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
        std::filesystem::directory_iterator(ROUNDABOUT_SOURCE_DIR "/experiments")) {
-    files.push_back(entry.path());
+    if (entry.is_regular_file()) {
+      files.push_back(entry.path());
+    }
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -159,6 +159,17 @@ TEST(GateFigure, IsABitmapAndVectors) {
   EXPECT_GT(std::filesystem::file_size(folder / "gates.svg"), 10000U);
 }
 
+TEST(GateFigure, ShowsASingleAgentToo) {
+  const test::ScratchFolder folder;
+  GateAnalysis analysis = analyse(test::randomGa3cCadrl(6), "approaching");
+  const nn::TensorFile file = test::randomGa3cCadrl(6);
+  analysis.scene.others.resize(1);
+  analysis = analyseGates(*toGa3cCadrlWeights(file, "net"), "net", analysis.scene);
+  ASSERT_EQ(analysis.steps.size(), 1U);
+  drawGates({analysis}, folder / "gates");
+  EXPECT_GT(std::filesystem::file_size(folder / "gates.png"), 10000U);
+}
+
 class GateSceneFile : public ::testing::Test {
  protected:
   std::string error(const std::string& yaml) {
