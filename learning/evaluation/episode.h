@@ -32,8 +32,10 @@ struct TracePoint {
   bool collided;
 };
 
-/// All agents, step by step from the start: trace[step][agent].
-using Trace = std::vector<std::vector<TracePoint>>;
+/// All agents on the way to one set of goals, step by step from the start: leg[step][agent].
+using Leg = std::vector<std::vector<TracePoint>>;
+/// One leg for each set of goals that was flown to.
+using Trace = std::vector<Leg>;
 
 /// Runs one case under rules. policies[i] serves agent i and is reset first. The result is a
 /// function of rules, case and policies alone. If trace is given, it is filled in.

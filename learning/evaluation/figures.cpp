@@ -148,48 +148,53 @@ std::string timePanel(GnuplotScript& script, const Evaluation& evaluation,
   return parts.command();
 }
 
-/// The moving part of one case: who is where when.
+/// The way to one set of goals: who is where when.
 struct Motion {
-  const TestCase& test_case;
-  Trace trace;
+  std::span<const AgentSpec> agents;
+  std::vector<Vector2d> goals_m;
+  Leg trace;
   double step_s;
 };
 
-Motion flyAgain(const Evaluation& evaluation, std::size_t row) {
+std::vector<Motion> flyAgain(const Evaluation& evaluation, std::size_t row) {
   const Place place = placeOf(evaluation, row);
-  Motion motion{evaluation.suite.groups[place.group].cases[place.number],
-                {},
-                evaluation.rules.planning_step_s};
-  CaseRunner(evaluation).run(row, &motion.trace);
-  return motion;
+  const TestCase& test_case = evaluation.suite.groups[place.group].cases[place.number];
+  Trace trace;
+  CaseRunner(evaluation).run(row, &trace);
+  std::vector<Motion> motions;
+  for (Leg& leg : trace) {
+    std::vector<Vector2d> goals_m;
+    for (std::size_t i = 0; i < test_case.agents.size(); ++i) {
+      goals_m.push_back(motions.empty() ? test_case.agents[i].goal_m
+                                        : test_case.later_goals_m[motions.size() - 1][i]);
+    }
+    motions.push_back(
+        {test_case.agents, std::move(goals_m), std::move(leg), evaluation.rules.planning_step_s});
+  }
+  return motions;
 }
 
-plot::PlanView viewOf(const Motion& motion) {
-  plot::PlanView view;
-  for (std::size_t i = 0; i < motion.test_case.agents.size(); ++i) {
-    const AgentSpec& agent = motion.test_case.agents[i];
-    view.include(agent.goal_m, std::max(agent.radius_m, kStarRadius_m));
+void include(plot::PlanView& view, const Motion& motion) {
+  for (std::size_t i = 0; i < motion.agents.size(); ++i) {
+    view.include(motion.goals_m[i], std::max(motion.agents[i].radius_m, kStarRadius_m));
     for (const std::vector<TracePoint>& points : motion.trace) {
-      view.include(points[i].position_m, agent.radius_m);
+      view.include(points[i].position_m, motion.agents[i].radius_m);
     }
   }
-  return view;
 }
 
 void addGoals(Parts& parts, const Motion& motion) {
-  const std::size_t count = motion.test_case.agents.size();
+  const std::size_t count = motion.agents.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const auto& later = motion.test_case.later_goals_m;
-    const Vector2d& goal = later.empty() ? motion.test_case.agents[i].goal_m : later.back()[i];
-    parts.add(plot::starRows(goal, kStarRadius_m),
-              fmt::format(
-                  "with filledcurves closed fc rgb \"{}\" fs solid border lc rgb \"white\" notitle",
-                  plot::hex(plot::vehicleColor(i, count))));
+    parts.add(plot::starRows(motion.goals_m[i], kStarRadius_m),
+              fmt::format("with filledcurves closed fc rgb \"{}\" fs solid border lc rgb \"white\" "
+                          "notitle",
+                          plot::hex(plot::vehicleColor(i, count))));
   }
 }
 
 void addPaths(Parts& parts, const Motion& motion, std::size_t end) {
-  const std::size_t count = motion.test_case.agents.size();
+  const std::size_t count = motion.agents.size();
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<std::string> rows;
     for (std::size_t step = 0; step < end; ++step) {
@@ -203,15 +208,56 @@ void addPaths(Parts& parts, const Motion& motion, std::size_t end) {
 }
 
 std::string circleRow(const Motion& motion, std::size_t step, std::size_t agent, double lightness) {
-  const std::size_t count = motion.test_case.agents.size();
+  const std::size_t count = motion.agents.size();
   const Vector2d& at = motion.trace[step][agent].position_m;
   const Color color = plot::mix(plot::vehicleColor(agent, count), plot::kWhite, lightness);
-  return fmt::format("{:.3f} {:.3f} {:.3f} {}", at.x(), at.y(),
-                     motion.test_case.agents[agent].radius_m, plot::rgbNumber(color));
+  return fmt::format("{:.3f} {:.3f} {:.3f} {}", at.x(), at.y(), motion.agents[agent].radius_m,
+                     plot::rgbNumber(color));
 }
 
 constexpr const char* kCircles =
     "with circles lc rgb variable fs solid border lc rgb \"#777777\" notitle";
+
+void drawLeg(GnuplotScript& script, const Motion& motion, const std::string& title,
+             const std::string& file) {
+  plot::PlanView view;
+  include(view, motion);
+  plot::beginFigure(script, view.size(), title);
+  view.set(script, "circles lighten with time, numbers: s, stars: goals, crosses: collisions");
+  const auto every = static_cast<std::size_t>(std::lround(kCirclesEvery_s / motion.step_s));
+  const auto labelled = static_cast<std::size_t>(std::lround(kTimesEvery_s / motion.step_s));
+  const std::size_t agents = motion.agents.size();
+  const bool crowded = agents > 10;  // room for the times of arrival only
+  std::vector<std::string> circles;
+  std::vector<std::string> times;
+  std::vector<std::string> crashes;
+  for (std::size_t step = 0; step < motion.trace.size(); ++step) {
+    const double lightness =
+        0.8 * static_cast<double>(step) / static_cast<double>(motion.trace.size());
+    for (std::size_t i = 0; i < agents; ++i) {
+      const bool done = motion.trace[step][i].done;
+      const bool arrives = done && step > 0 && !motion.trace[step - 1][i].done;
+      if (arrives || (!done && step % every == 0)) {
+        circles.push_back(circleRow(motion, step, i, lightness));
+      }
+      if (arrives || (!done && !crowded && step > 0 && step % labelled == 0)) {
+        const Vector2d& at = motion.trace[step][i].position_m;
+        times.push_back(fmt::format("{:.3f} {:.3f} \"{:.1f}\"", at.x(), at.y(),
+                                    static_cast<double>(step) * motion.step_s));
+        if (motion.trace[step][i].collided) {
+          crashes.push_back(fmt::format("{:.3f} {:.3f}", at.x(), at.y()));
+        }
+      }
+    }
+  }
+  Parts parts(script);
+  parts.add(circles, kCircles);
+  addPaths(parts, motion, motion.trace.size());
+  addGoals(parts, motion);
+  parts.add(crashes, "with points pt 2 ps 2.5 lw 2 lc rgb \"#d00000\" notitle");
+  parts.add(times, "with labels font \",8\" tc rgb \"#222222\" notitle");
+  plot::endFigure(script, view.size(), {file + ".png", file + ".svg"}, parts.command());
+}
 
 }  // namespace
 
@@ -258,74 +304,49 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
 
 std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
                              const std::filesystem::path& folder) {
-  const Motion motion = flyAgain(evaluation, row);
-  const plot::PlanView view = viewOf(motion);
-  GnuplotScript script;
-  plot::beginFigure(script, view.size(), titleOf(evaluation, row));
-  view.set(script, "circles lighten with time, numbers: s, stars: goals, crosses: collisions");
-  const auto every = static_cast<std::size_t>(std::lround(kCirclesEvery_s / motion.step_s));
-  const auto labelled = static_cast<std::size_t>(std::lround(kTimesEvery_s / motion.step_s));
-  const std::size_t agents = motion.test_case.agents.size();
-  const bool crowded = agents > 10;  // room for the times of arrival only
-  std::vector<std::string> circles;
-  std::vector<std::string> times;
-  std::vector<std::string> crashes;
-  for (std::size_t step = 0; step < motion.trace.size(); ++step) {
-    const double lightness =
-        0.8 * static_cast<double>(step) / static_cast<double>(motion.trace.size());
-    for (std::size_t i = 0; i < agents; ++i) {
-      const bool done = motion.trace[step][i].done;
-      const bool arrives = done && step > 0 && !motion.trace[step - 1][i].done;
-      if (arrives || (!done && step % every == 0)) {
-        circles.push_back(circleRow(motion, step, i, lightness));
-      }
-      if (arrives || (!done && !crowded && step > 0 && step % labelled == 0)) {
-        const Vector2d& at = motion.trace[step][i].position_m;
-        times.push_back(fmt::format("{:.3f} {:.3f} \"{:.1f}\"", at.x(), at.y(),
-                                    static_cast<double>(step) * motion.step_s));
-        if (motion.trace[step][i].collided) {
-          crashes.push_back(fmt::format("{:.3f} {:.3f}", at.x(), at.y()));
-        }
-      }
-    }
-  }
-  Parts parts(script);
-  parts.add(circles, kCircles);
-  addPaths(parts, motion, motion.trace.size());
-  addGoals(parts, motion);
-  parts.add(crashes, "with points pt 2 ps 2.5 lw 2 lc rgb \"#d00000\" notitle");
-  parts.add(times, "with labels font \",8\" tc rgb \"#222222\" notitle");
+  const std::vector<Motion> motions = flyAgain(evaluation, row);
   const std::string name = fileNameOf(evaluation, row);
-  plot::endFigure(script, view.size(),
-                  {(folder / (name + ".png")).string(), (folder / (name + ".svg")).string()},
-                  parts.command());
+  GnuplotScript script;
+  for (std::size_t leg = 0; leg < motions.size(); ++leg) {
+    const std::string number = motions.size() > 1 ? fmt::format("_{}", leg + 1) : "";
+    const std::string title =
+        titleOf(evaluation, row) + (motions.size() > 1 ? fmt::format(", goals {}", leg + 1) : "");
+    drawLeg(script, motions[leg], title, (folder / (name + number)).string());
+  }
   script.run();
-  return name + ".png";
+  return name;
 }
 
 std::string animate(const Evaluation& evaluation, std::size_t row,
                     const std::filesystem::path& folder) {
-  const Motion motion = flyAgain(evaluation, row);
-  const plot::PlanView view = viewOf(motion);
+  const std::vector<Motion> motions = flyAgain(evaluation, row);
+  plot::PlanView view;
+  for (const Motion& motion : motions) {
+    include(view, motion);
+  }
   const std::string name = fileNameOf(evaluation, row) + ".gif";
   GnuplotScript script;
   plot::beginAnimation(script, view.size(), kFramesPerSecond, folder / name,
                        titleOf(evaluation, row));
-  const auto steps_per_frame = std::max<std::size_t>(
-      1, static_cast<std::size_t>(std::lround(1.0 / (kFramesPerSecond * motion.step_s))));
-  const std::size_t frames = (motion.trace.size() - 1) / steps_per_frame + 1;
-  for (std::size_t frame = 0; frame < frames + kHoldFrames; ++frame) {
-    const std::size_t step = std::min(frame * steps_per_frame, motion.trace.size() - 1);
-    view.set(script, fmt::format("{:.1f} s", static_cast<double>(step) * motion.step_s));
-    std::vector<std::string> circles;
-    for (std::size_t i = 0; i < motion.test_case.agents.size(); ++i) {
-      circles.push_back(circleRow(motion, step, i, motion.trace[step][i].done ? 0.5 : 0.0));
+  double time_s = 0.0;
+  for (const Motion& motion : motions) {
+    const std::size_t end = motion.trace.size() + kHoldFrames;
+    const auto stride = std::max<std::size_t>(
+        1, static_cast<std::size_t>(std::lround(1.0 / (kFramesPerSecond * motion.step_s))));
+    for (std::size_t frame = 0; frame < end; frame += stride) {
+      const std::size_t step = std::min(frame, motion.trace.size() - 1);
+      view.set(script, fmt::format("{:.1f} s", time_s + static_cast<double>(step) * motion.step_s));
+      std::vector<std::string> circles;
+      for (std::size_t i = 0; i < motion.agents.size(); ++i) {
+        circles.push_back(circleRow(motion, step, i, motion.trace[step][i].done ? 0.5 : 0.0));
+      }
+      Parts parts(script);
+      addPaths(parts, motion, step + 1);
+      addGoals(parts, motion);
+      parts.add(circles, kCircles);
+      script.line("{}", parts.command());
     }
-    Parts parts(script);
-    addPaths(parts, motion, step + 1);
-    addGoals(parts, motion);
-    parts.add(circles, kCircles);
-    script.line("{}", parts.command());
+    time_s += static_cast<double>(motion.trace.size() - 1) * motion.step_s;
   }
   script.line("set output");
   script.run();

@@ -15,8 +15,8 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
                     const std::filesystem::path& folder);
 
 /// The way of all agents of one row, in the paper's style: circles of their radius that get lighter
-/// with time, with the time in s beside them; stars are goals. Writes a PNG and an SVG file and
-/// returns the PNG's name.
+/// with time, with the time in s beside them; stars are goals. Writes a PNG and an SVG file for
+/// each set of goals; returns what their names begin with.
 std::string drawTrajectories(const Evaluation& evaluation, std::size_t row,
                              const std::filesystem::path& folder);
 

@@ -64,6 +64,7 @@ class IdealEpisode {
       agent.time_s = 0.0;
       agent.at_goal = agent.collided = agent.timed_out = false;
     }
+    beginLeg();
     record();
     noteSeparation();
   }
@@ -199,11 +200,17 @@ class IdealEpisode {
     }
   }
 
+  void beginLeg() {
+    if (trace_ != nullptr) {
+      trace_->emplace_back();
+    }
+  }
+
   void record() {
     if (trace_ == nullptr) {
       return;
     }
-    std::vector<TracePoint>& points = trace_->emplace_back();
+    std::vector<TracePoint>& points = trace_->back().emplace_back();
     for (const Agent& agent : agents_) {
       points.push_back({agent.ego.position_world_m, agent.done(), agent.collided});
     }

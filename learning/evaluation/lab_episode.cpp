@@ -92,6 +92,7 @@ class LabEpisode {
                               experiment_.vehicles[i].preferred_speed_mps;
       send(i, core::GoalPhase::kGo, goals_m[i]);
     }
+    beginLeg();
     record();
     const core::Utime began = world_.now();
     while (!allDone()) {
@@ -210,11 +211,17 @@ class LabEpisode {
     }
   }
 
+  void beginLeg() {
+    if (trace_ != nullptr) {
+      trace_->emplace_back();
+    }
+  }
+
   void record() {
     if (trace_ == nullptr) {
       return;
     }
-    std::vector<TracePoint>& points = trace_->emplace_back();
+    std::vector<TracePoint>& points = trace_->back().emplace_back();
     for (std::size_t i = 0; i < agents_.size(); ++i) {
       points.push_back({positionOf(i), agents_[i].done(), agents_[i].collided});
     }

@@ -51,9 +51,9 @@ TEST(IdealEpisode, ACollisionEndsBothAndTheCase) {
   EXPECT_EQ(result.outcome, Outcome::kCollision);
   EXPECT_EQ(result.steps, 59) << "the third goes on to its goal";
   EXPECT_LE(result.closest_separation_m, 0.0);
-  EXPECT_TRUE(trace.back()[0].collided);
-  EXPECT_FALSE(trace.back()[2].collided);
-  EXPECT_EQ(trace.back()[0].position_m, trace[40][0].position_m) << "who collided stands";
+  EXPECT_TRUE(trace.back().back()[0].collided);
+  EXPECT_FALSE(trace.back().back()[2].collided);
+  EXPECT_EQ(trace.back().back()[0].position_m, trace[0][40][0].position_m) << "who collided stands";
   EXPECT_NEAR(result.mean_extra_time_s, 0.0, 0.1) << "of the one that arrived";
 }
 
@@ -71,7 +71,7 @@ TEST(IdealEpisode, LaterGoalsAreFlownToFromWhereOneIs) {
   const EpisodeResult result = run(each, {"non_cooperative"}, "published", &trace);
   EXPECT_EQ(result.outcome, Outcome::kAllAtGoal);
   EXPECT_EQ(result.steps, 61);
-  EXPECT_NEAR(trace.back()[0].position_m.x(), 6.1, 1e-9);
+  EXPECT_NEAR(trace.back().back()[0].position_m.x(), 6.1, 1e-9);
 }
 
 TEST(LabEpisode, OrcaCrossesWithoutTouching) {
