@@ -5,6 +5,7 @@
 
 #include "common/bus/messages.h"
 #include "tests/system/flight_lab.h"
+#include "tests/system/two_lanes.h"
 
 namespace roundabout::test {
 namespace {
@@ -23,8 +24,9 @@ class Replay : public FlightLab {
                           "--lcm-url", url(), "--set", "planner.watch_wall_clock=false"});
     waitUntil("the planner",
               [&] { return modeOf(vehicle) == roundabout_msgs::planner_status_t::WAITING; });
-    run("lcm-logplayer", {"--regexp=VEHICLE_STATES|SAFETY_ORDER|GOAL_" + vehicle,
-                          "--lcm-url=" + url(), (out() / "flight.lcm").string()});
+    run("lcm-logplayer",
+        {"--regexp=VEHICLE_STATES|SAFETY_ORDER|GOAL_" + vehicle + "|LASER_SCAN_" + vehicle,
+         "--lcm-url=" + url(), (out() / "flight.lcm").string()});
     listenFor(std::chrono::milliseconds(200));
     planner.signal(SIGTERM);
     finish(planner);
@@ -49,6 +51,13 @@ TEST_F(Replay, OfALockstepFlightGivesTheRecordedCommands) {
 
 TEST_F(Replay, OfARealTimeFlightGivesTheRecordedCommands) {
   ASSERT_TRUE(finish(startFlight(twoSwap(), {"--real-time", "--no-report"})).status.clean());
+  expectTheSame("hex2");
+}
+
+TEST_F(Replay, OfAFlightByScansGivesTheRecordedCommands) {
+  const std::string file =
+      write("two_lanes.yaml", twoLanes(scratch_.path(), ", lidar: {noise_m: 0.02}"));
+  ASSERT_TRUE(finish(startFlight(file, {"--no-report"})).status.clean());
   expectTheSame("hex2");
 }
 

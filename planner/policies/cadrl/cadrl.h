@@ -26,20 +26,20 @@ class Cadrl final : public Policy {
     int id;
     Eigen::Vector2d velocity_world_mps;
   };
+  struct Neighbour {
+    double gap_cm;  // rounded
+    double orthogonal_m;
+    const core::OtherAgent* agent;
+  };
 
   void collectNearest(const core::EgoAgent& ego, std::span<const core::OtherAgent> others);
   Eigen::Vector2d meanVelocity(const core::OtherAgent& other) const;
   void remember(std::span<const core::OtherAgent> others);
 
   LookAhead look_ahead_;
-  std::vector<Remembered> remembered_;
-  struct Neighbour {
-    double gap_cm;  // rounded
-    double orthogonal_m;
-    const core::OtherAgent* agent;
-  };
+  std::vector<Remembered> remembered_;  // of the last call
   std::vector<Neighbour> neighbours_;
-  std::vector<core::OtherAgent> nearest_;
+  std::vector<core::OtherAgent> nearest_;  // farthest first, with their mean velocities
 };
 
 /// Throws core::StartupError if options.weights is not a file of this architecture.

@@ -28,12 +28,12 @@ double discount(double distance_m) {
   return std::exp(rate * distance_m);
 }
 
-/// Of a way that comes as near as gap_m to others, now_m at its start.
-double rewardOf(double now_m, double gap_m, double penalty) {
-  if (now_m < 0.0 || gap_m < 0.0) {
+/// Of a way that comes as near as gap_m to others, gap_now_m at its start.
+double rewardOf(double gap_now_m, double gap_m, double penalty) {
+  if (gap_now_m < 0.0 || gap_m < 0.0) {
     return kCollisionReward;
   }
-  const bool close_now = now_m < kCadrlCloseM;
+  const bool close_now = gap_now_m < kCadrlCloseM;
   const bool gets_close = gap_m > 0.0 && gap_m < kCadrlCloseM;
   const double reward = (close_now ? penalty : 0.0) + (gets_close ? penalty : 0.0);
   return gets_close ? std::clamp(2.0 * reward + 5.0 * penalty * (kCadrlCloseM - gap_m),
@@ -80,10 +80,10 @@ LookAhead::Choice LookAhead::choose(const core::EgoAgent& ego,
 
 /// Rewards; values of those that collide or reach the goal; the others are left to be judged.
 void LookAhead::judgeWays(const core::EgoAgent& ego, std::span<const core::OtherAgent> others) {
-  double now_m = std::numeric_limits<double>::infinity();
+  double gap_now_m = std::numeric_limits<double>::infinity();
   for (const core::OtherAgent& other : others) {
-    now_m = std::min(now_m, (other.position_world_m - ego.position_world_m).norm() - ego.radius_m -
-                                other.radius_m);
+    gap_now_m = std::min(gap_now_m, (other.position_world_m - ego.position_world_m).norm() -
+                                        ego.radius_m - other.radius_m);
   }
   const double penalty =
       discount(distanceToGoal(ego)) * (1.0 - 1.0 / discount(ego.preferred_speed_mps));
@@ -95,7 +95,7 @@ void LookAhead::judgeWays(const core::EgoAgent& ego, std::span<const core::Other
       nearest.closest_gap_m = std::min(nearest.closest_gap_m, encounter.closest_gap_m);
       nearest.collides = nearest.collides || encounter.collides;
     }
-    outlooks_[i] = {rewardOf(now_m, nearest.closest_gap_m, penalty), 0.0};
+    outlooks_[i] = {rewardOf(gap_now_m, nearest.closest_gap_m, penalty), 0.0};
     if (nearest.collides) {
       continue;
     }
