@@ -6,6 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ostr.h>
 
+#include "planner/policies/cadrl/published.h"
 #include "planner/policies/cadrl/weights.h"
 #include "planner/policies/drl_maca/weights.h"
 #include "planner/policies/ga3c_cadrl/weights.h"
@@ -20,8 +21,8 @@ constexpr std::size_t kNameColumns = 18;
 void checkWeights(const nn::TensorFile& file, const std::string& path) {
   const auto entry = file.metadata.find("architecture");
   const std::string architecture = entry == file.metadata.end() ? "" : entry->second;
-  if (architecture == kCadrlArchitecture) {
-    toCadrlWeights(file, path);
+  if (architecture == kCadrlArchitecture || isPublishedCadrl(file)) {
+    readCadrlWeights(path);
   } else if (architecture == kDrlMacaArchitecture) {
     toDrlMacaWeights(file, path);
   } else {

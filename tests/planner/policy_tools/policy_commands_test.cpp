@@ -69,6 +69,9 @@ TEST_F(PolicyCommands, ImportTakesAPublishedSaCadrlNetwork) {
               AllOf(HasSubstr("architecture      sa_cadrl_value\n"),
                     HasSubstr("provenance        imported from published.safetensors\n"),
                     HasSubstr("layer1/other_from_other [8, 50]          400\n")));
+  CaptureStdout();
+  run("policy info " + published);
+  EXPECT_THAT(GetCapturedStdout(), HasSubstr("input_avg         [31]              31\n"));
 }
 
 TEST_F(PolicyCommands, InfoSaysWhatTheFileHolds) {
