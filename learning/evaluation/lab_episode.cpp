@@ -6,6 +6,7 @@
 
 #include "planner/planner_core.h"
 #include "sim/mocap_model.h"
+#include "sim/sensors/laser_scanners.h"
 #include "sim/world.h"
 
 namespace roundabout::learning {
@@ -21,7 +22,9 @@ constexpr double kHeight_m = 1.0;
 // Until all hover: they climb one metre at 0.7 m/s.
 constexpr double kTakeOff_s = 4.0;
 
-config::Experiment describe(const Rules& rules, const TestCase& test_case) {
+using Policies = std::span<const std::unique_ptr<planner::Policy>>;
+
+config::Experiment describe(const Rules& rules, const TestCase& test_case, Policies policies) {
   config::Experiment experiment;
   experiment.file = "lab rules";
   experiment.sim = rules.sim;
@@ -45,6 +48,9 @@ config::Experiment describe(const Rules& rules, const TestCase& test_case) {
     vehicle.top_speed_mps = std::max(vehicle.top_speed_mps, 2.0 * agent.preferred_speed_mps);
     vehicle.height_m = kHeight_m;
     vehicle.start = config::Start{agent.start_m, std::atan2(way.y(), way.x())};
+    if (policies[experiment.vehicles.size()]->needsScan()) {
+      vehicle.lidar = config::Lidar();
+    }
     experiment.vehicles.push_back(vehicle);
   }
   for (const std::vector<Vector2d>& goals_m : test_case.later_goals_m) {
@@ -58,12 +64,12 @@ config::Experiment describe(const Rules& rules, const TestCase& test_case) {
 /// Vehicles, cameras and planners on one clock.
 class LabEpisode {
  public:
-  LabEpisode(const Rules& rules, const TestCase& test_case,
-             std::span<const std::unique_ptr<planner::Policy>> policies, Trace* trace)
+  LabEpisode(const Rules& rules, const TestCase& test_case, Policies policies, Trace* trace)
       : rules_(rules),
-        experiment_(describe(rules, test_case)),
+        experiment_(describe(rules, test_case, policies)),
         world_(experiment_, kStart),
         mocap_(experiment_, world_.stepUs()),
+        scanners_(experiment_),
         trace_(trace),
         agents_(test_case.agents.size()) {
     for (std::size_t i = 0; i < agents_.size(); ++i) {
@@ -171,6 +177,9 @@ class LabEpisode {
   }
 
   void plan() {
+    for (const auto& [vehicle, scan] : scanners_.sweep(world_.now(), world_.bodies())) {
+      planners_[vehicle]->onScan(scan);
+    }
     const core::StatesFrame& frame = mocap_.expose(next_frame_);
     mocap_time_ = next_frame_;
     next_frame_ += mocap_.frameIntervalUs();
@@ -231,6 +240,7 @@ class LabEpisode {
   config::Experiment experiment_;
   sim::World world_;
   sim::MocapModel mocap_;
+  sim::LaserScanners scanners_;
   Trace* trace_;
   std::vector<Agent> agents_;
   std::vector<std::unique_ptr<planner::PlannerCore>> planners_;

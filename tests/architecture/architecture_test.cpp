@@ -80,16 +80,19 @@ TEST(Architecture, AlgorithmsKnowNoWire) {
   expectNone("planner", kWire, nodes);
   expectNone("fleet", kWire, nodes);
   expectNone("sim", kWire, nodes + R"(|_pacing\.(h|cpp)$)");
+  expectNone("learning", kWire);
 }
 
 TEST(Architecture, ModulesDoNotKnowEachOther) {
-  expectNone("planner", R"(^(mocap_bridge|fleet|sim|logs|cli)/)");
-  expectNone("fleet", R"(^(mocap_bridge|planner|sim|logs|cli)/)");
-  expectNone("logs", R"(^(mocap_bridge|planner|fleet|sim|cli)/)");
-  expectNone("mocap_bridge", R"(^(planner|fleet|sim|logs|cli)/)");
+  expectNone("planner", R"(^(mocap_bridge|fleet|sim|learning|logs|cli)/)");
+  expectNone("fleet", R"(^(mocap_bridge|planner|sim|learning|logs|cli)/)");
+  expectNone("logs", R"(^(mocap_bridge|planner|fleet|sim|learning|cli)/)");
+  expectNone("mocap_bridge", R"(^(planner|fleet|sim|learning|logs|cli)/)");
+  // Learning and evaluation use the cores of the simulator and the planner.
+  expectNone("learning", R"(^(mocap_bridge|fleet|logs|cli)/)");
   // The one exception of DESIGN section 3: the simulator publishes through the bridge's
   // StatePublisher.
-  expectNone("sim", R"(^(planner|fleet|logs|cli)/|^mocap_bridge/(?!state_publisher))");
+  expectNone("sim", R"(^(planner|fleet|learning|logs|cli)/|^mocap_bridge/(?!state_publisher))");
 }
 
 TEST(Architecture, VisionAndLearningLibrariesStayOutside) {
