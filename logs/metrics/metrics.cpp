@@ -41,11 +41,12 @@ std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics
         fmt::format("the body of {} touched obstacle {} at {:.1f} s (overlap {:.2f} m)",
                     touch.vehicle_a, touch.vehicle_b, touch.at_s, -touch.gap_m));
   }
-  for (const Unseen& unseen : metrics.separation.unseen) {
-    failures.push_back(fmt::format(
-        "cannot tell whether bodies touched: {} unseen {:.1f}-{:.1f} s "
-        "near {}",
-        unseen.vehicle, unseen.begin_at_s, unseen.end_at_s, fmt::join(unseen.near, ", ")));
+  for (const auto* stretches : {&metrics.separation.unseen, &metrics.obstacles.unseen}) {
+    for (const Unseen& unseen : *stretches) {
+      failures.push_back(fmt::format(
+          "cannot tell whether bodies touched: {} unseen {:.1f}-{:.1f} s near {}", unseen.vehicle,
+          unseen.begin_at_s, unseen.end_at_s, fmt::join(unseen.near, ", ")));
+    }
   }
   for (const FormationMetrics& formation : metrics.formations) {
     if (!formation.formed) {

@@ -31,16 +31,17 @@ struct Encounter {
   std::string vehicle_b;
   double begin_at_s = 0.0;
   double end_at_s = 0.0;
-  double time_below_s = 0.0;  ///< of the frames below zero; at most end - begin
+  double time_below_s = 0.0;  ///< at most end - begin
   double closest_gap_m = 0.0;
 };
 
-/// A time in which the cameras did not see a vehicle for so long that it may have met others.
+/// A time in which the cameras did not see a vehicle for so long that it may have met others
+/// or obstacles.
 struct Unseen {
   std::string vehicle;
   double begin_at_s = 0.0;
   double end_at_s = 0.0;
-  std::vector<std::string> near;  ///< whom it could have reached
+  std::vector<std::string> near;  ///< what it could have reached
 };
 
 struct PairMetrics {
@@ -61,10 +62,11 @@ struct SeparationMetrics {
   double approaching_time_s = 0.0;    ///< sum over approaches
 };
 
-/// Bodies under way and the experiment's obstacles; vehicle_b is the obstacle's name.
+/// Bodies that do not rest and the experiment's obstacles; vehicle_b is the obstacle's name.
 struct ObstacleMetrics {
   ClosestGap closest;
   std::vector<ClosestGap> touches;  ///< the deepest of each body with each obstacle
+  std::vector<Unseen> unseen;       ///< when nobody can tell whether a body touched one
 };
 
 /// One vehicle's way to its place in a formation.

@@ -41,6 +41,17 @@ Json encounters(const std::vector<Encounter>& encounters, double total_s) {
   return {{"count", encounters.size()}, {"total_time_s", total_s}, {"episodes", list}};
 }
 
+Json unseen(const std::vector<Unseen>& stretches) {
+  Json list = Json::array();
+  for (const Unseen& stretch : stretches) {
+    list.push_back({{"vehicle", stretch.vehicle},
+                    {"begin_at_s", stretch.begin_at_s},
+                    {"end_at_s", stretch.end_at_s},
+                    {"near", stretch.near}});
+  }
+  return list;
+}
+
 Json separation(const SeparationMetrics& separation) {
   Json pairs = Json::array();
   for (const PairMetrics& pair : separation.pairs) {
@@ -50,18 +61,11 @@ Json separation(const SeparationMetrics& separation) {
                      {"body_touches", pair.touches},
                      {"closer_than_assumed", pair.approaches}});
   }
-  Json unseen = Json::array();
-  for (const Unseen& stretch : separation.unseen) {
-    unseen.push_back({{"vehicle", stretch.vehicle},
-                      {"begin_at_s", stretch.begin_at_s},
-                      {"end_at_s", stretch.end_at_s},
-                      {"near", stretch.near}});
-  }
   return {{"closest_body_gap", gap(separation.body_gap)},
           {"closest_assumed_gap", gap(separation.assumed_gap)},
           {"body_touches", encounters(separation.touches, separation.touching_time_s)},
           {"closer_than_assumed", encounters(separation.approaches, separation.approaching_time_s)},
-          {"unseen", unseen},
+          {"unseen", unseen(separation.unseen)},
           {"pairs", pairs}};
 }
 
@@ -169,7 +173,8 @@ std::string toJson(const Metrics& metrics) {
                      {"separation", separation(metrics.separation)},
                      {"obstacles",
                       {{"closest_gap", gap(metrics.obstacles.closest)},
-                       {"body_touches", listOf(metrics.obstacles.touches, gap)}}},
+                       {"body_touches", listOf(metrics.obstacles.touches, gap)},
+                       {"unseen", unseen(metrics.obstacles.unseen)}}},
                      {"formations", listOf(metrics.formations, formation)},
                      {"vehicles", listOf(metrics.vehicles, vehicle)},
                      {"timing", timing(metrics.timing)},

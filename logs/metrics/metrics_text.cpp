@@ -108,8 +108,8 @@ std::string headline(const Metrics& metrics) {
   if (touches > 0) {
     return formed + fmt::format(", {} collision{}", touches, touches == 1 ? "" : "s");
   }
-  return formed + (metrics.separation.unseen.empty() ? ", no bodies touched"
-                                                     : ", nobody saw whether bodies touched");
+  const bool seen = metrics.separation.unseen.empty() && metrics.obstacles.unseen.empty();
+  return formed + (seen ? ", no bodies touched" : ", nobody saw whether bodies touched");
 }
 
 std::string describe(const ClosestGap& gap) {

@@ -4,7 +4,7 @@
 
 namespace roundabout::logs {
 
-/// How near bodies under way came to the experiment's obstacles.
+/// How near bodies that did not rest came to the experiment's obstacles.
 ObstacleMetrics obstaclesOf(const Flight& flight);
 
 }  // namespace roundabout::logs

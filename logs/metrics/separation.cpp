@@ -1,7 +1,9 @@
 #include "logs/metrics/separation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "logs/metrics/whereabouts.h"
@@ -13,8 +15,10 @@ namespace {
 // Encounters of one pair with less than this between them are one: noise makes a gap near zero
 // cross it many times.
 constexpr core::Utime kMergeUs = 200'000;
-// Of lost frames no more than this is believed to have been as close as the frames around them.
+// Of a time in which nobody knows no more than this is believed to be as the frame before it.
 constexpr core::Utime kLongestFrameUs = 100'000;
+// Less than this from one frame to the next is no way to divide by.
+constexpr double kStandingM = 1e-6;
 
 std::vector<Whereabouts> whereaboutsIn(const Flight& flight) {
   std::vector<Whereabouts> whereabouts;
@@ -24,21 +28,69 @@ std::vector<Whereabouts> whereaboutsIn(const Flight& flight) {
   return whereabouts;
 }
 
-/// Two that rest on the floor were put there; everything else can collide.
-bool counts(const Whereabouts& a, const Whereabouts& b, std::size_t frame) {
-  return a.known(frame) && b.known(frame) && !(a.rests(frame) && b.rests(frame));
-}
+/// How one of two moved as seen from the other, in a straight line.
+struct Passage {
+  core::Utime begin;
+  core::Utime end;
+  Eigen::Vector2d from_m;
+  Eigen::Vector2d way_m;
 
-double distance(const Whereabouts& a, const Whereabouts& b, std::size_t frame) {
-  return (a.place(frame) - b.place(frame)).norm();
-}
-
-double timeOfFrame(const Flight& flight, std::size_t frame) {
-  if (frame + 1 == flight.frames.size()) {
-    return 0.0;
+  core::Utime utimeAt(double share) const {
+    return begin + core::toUtime(share * core::toSeconds(end - begin));
   }
-  return core::toSeconds(
-      std::min(flight.frames[frame + 1].utime - flight.frames[frame].utime, kLongestFrameUs));
+};
+
+/// Of the way, when and how near they came.
+struct Approach {
+  double share;
+  double distance_m;
+};
+
+bool standsStill(const Passage& passage) { return passage.way_m.norm() < kStandingM; }
+
+/// On the endless line.
+double shareAtClosest(const Passage& passage) {
+  return standsStill(passage) ? 0.0
+                              : -passage.from_m.dot(passage.way_m) / passage.way_m.squaredNorm();
+}
+
+Approach closestOf(const Passage& passage) {
+  const double share = std::clamp(shareAtClosest(passage), 0.0, 1.0);
+  return {share, (passage.from_m + share * passage.way_m).norm()};
+}
+
+/// The part of the way nearer than a distance, which it comes.
+std::pair<double, double> sharesWithin(const Passage& passage, double distance_m) {
+  if (standsStill(passage)) {
+    return {0.0, 1.0};
+  }
+  const double closest = shareAtClosest(passage);
+  const double aside_m = (passage.from_m + closest * passage.way_m).norm();
+  const double half =
+      std::sqrt(std::max(distance_m * distance_m - aside_m * aside_m, 0.0)) / passage.way_m.norm();
+  return {std::clamp(closest - half, 0.0, 1.0), std::clamp(closest + half, 0.0, 1.0)};
+}
+
+/// From a frame to the next, as far as both are known. Two that rest on the floor were put there;
+/// everything else can collide.
+std::optional<Passage> passageAfter(const Flight& flight, const Whereabouts& a,
+                                    const Whereabouts& b, std::size_t frame) {
+  const core::Utime begin = flight.frames[frame].utime;
+  if (a.knownAfter(frame) && b.knownAfter(frame)) {
+    if (a.restsAfter(frame) && b.restsAfter(frame)) {
+      return std::nullopt;
+    }
+    const Eigen::Vector2d from_m = a.place(frame) - b.place(frame);
+    return Passage{begin, flight.frames[frame + 1].utime, from_m,
+                   a.place(frame + 1) - b.place(frame + 1) - from_m};
+  }
+  if (!a.known(frame) || !b.known(frame) || (a.rests(frame) && b.rests(frame))) {
+    return std::nullopt;
+  }
+  const bool last = frame + 1 == flight.frames.size();
+  const core::Utime end =
+      last ? begin : std::min(flight.frames[frame + 1].utime, begin + kLongestFrameUs);
+  return Passage{begin, end, a.place(frame) - b.place(frame), Eigen::Vector2d::Zero()};
 }
 
 /// Collects the encounters and the closest gap of one pair and one kind of radius.
@@ -51,33 +103,35 @@ class PairWatch {
     closest_.vehicle_b = b.name;
   }
 
-  void see(std::size_t frame, double distance_m) {
-    const double gap_m = distance_m - combined_radius_m_;
-    const core::Utime utime = flight_.frames[frame].utime;
+  void see(const Passage& passage) {
+    const Approach approach = closestOf(passage);
+    const double gap_m = approach.distance_m - combined_radius_m_;
     if (gap_m < closest_.gap_m) {
       closest_.gap_m = gap_m;
-      closest_.at_s = flight_.secondsAt(utime);
+      closest_.at_s = flight_.secondsAt(passage.utimeAt(approach.share));
     }
-    if (gap_m >= 0.0) {
-      return;
+    if (gap_m < 0.0) {
+      const auto [begin, end] = sharesWithin(passage, combined_radius_m_);
+      meet(passage.utimeAt(begin), passage.utimeAt(end), gap_m);
     }
-    const double time_s = timeOfFrame(flight_, frame);
-    const core::Utime end_utime = utime + core::toUtime(time_s);
-    if (encounters_.empty() || utime - last_end_utime_ > kMergeUs) {
-      const double now_s = flight_.secondsAt(utime);
-      encounters_.push_back({closest_.vehicle_a, closest_.vehicle_b, now_s, now_s, 0.0, gap_m});
-    }
-    Encounter& current = encounters_.back();
-    current.time_below_s += time_s;
-    current.end_at_s = flight_.secondsAt(end_utime);
-    current.closest_gap_m = std::min(current.closest_gap_m, gap_m);
-    last_end_utime_ = end_utime;
   }
 
   const ClosestGap& closest() const { return closest_; }
   const std::vector<Encounter>& encounters() const { return encounters_; }
 
  private:
+  void meet(core::Utime begin, core::Utime end, double gap_m) {
+    if (encounters_.empty() || begin - last_end_utime_ > kMergeUs) {
+      const double begin_s = flight_.secondsAt(begin);
+      encounters_.push_back({closest_.vehicle_a, closest_.vehicle_b, begin_s, begin_s, 0.0, gap_m});
+    }
+    Encounter& current = encounters_.back();
+    current.time_below_s += core::toSeconds(end - begin);
+    current.end_at_s = flight_.secondsAt(end);
+    current.closest_gap_m = std::min(current.closest_gap_m, gap_m);
+    last_end_utime_ = end;
+  }
+
   const Flight& flight_;
   double combined_radius_m_;
   ClosestGap closest_;
@@ -101,16 +155,7 @@ class UnseenWatch {
     std::vector<Unseen> found;
     for (std::size_t i = 0; i < whereabouts_.size(); ++i) {
       for (const Whereabouts::Stretch& stretch : whereabouts_[i].unknown()) {
-        const std::size_t last = std::min(stretch.end, flight_.frames.size() - 1);
-        add(found, i, stretch.begin == 0 ? 0 : stretch.begin - 1, last,
-            [&](std::size_t j) { return couldTouchIn(i, j, stretch); });
-      }
-      for (std::size_t frame = 0; frame + 1 < flight_.frames.size(); ++frame) {
-        if (framesLostAfter(frame) && whereabouts_[i].known(frame) &&
-            whereabouts_[i].known(frame + 1)) {
-          add(found, i, frame, frame + 1,
-              [&](std::size_t j) { return i < j && couldTouchAfter(i, j, frame); });
-        }
+        add(found, i, stretch);
       }
     }
     std::stable_sort(found.begin(), found.end(),
@@ -119,15 +164,14 @@ class UnseenWatch {
   }
 
  private:
-  template <class CouldTouch>
-  void add(std::vector<Unseen>& found, std::size_t vehicle, std::size_t begin, std::size_t end,
-           const CouldTouch& could_touch) const {
+  void add(std::vector<Unseen>& found, std::size_t vehicle,
+           const Whereabouts::Stretch& stretch) const {
     Unseen unseen{flight_.vehicles[vehicle].name,
-                  flight_.secondsAt(flight_.frames[begin].utime),
-                  flight_.secondsAt(flight_.frames[end].utime),
+                  flight_.secondsAt(flight_.frames[stretch.begin].utime),
+                  flight_.secondsAt(flight_.frames[stretch.end].utime),
                   {}};
     for (std::size_t other = 0; other < whereabouts_.size(); ++other) {
-      if (other != vehicle && could_touch(other)) {
+      if (other != vehicle && couldTouchIn(vehicle, other, stretch)) {
         unseen.near.push_back(flight_.vehicles[other].name);
       }
     }
@@ -136,34 +180,16 @@ class UnseenWatch {
     }
   }
 
-  bool framesLostAfter(std::size_t frame) const {
-    return core::toSeconds(flight_.frames[frame + 1].utime - flight_.frames[frame].utime) >
-           flight_.other_track_lost_s;
-  }
-
-  bool couldTouch(std::size_t i, std::size_t j, std::size_t frame, core::Utime utime) const {
-    return apartAtLeastM(whereabouts_[i], whereabouts_[j], frame, utime) <
-           flight_.vehicles[i].body_radius_m + flight_.vehicles[j].body_radius_m;
-  }
-
   bool couldTouchIn(std::size_t i, std::size_t j, const Whereabouts::Stretch& stretch) const {
+    const double touching_m = flight_.vehicles[i].body_radius_m + flight_.vehicles[j].body_radius_m;
     for (std::size_t frame = stretch.begin; frame < stretch.end; ++frame) {
       // Of two that are unseen at once the first one's line says it.
-      const bool said = j < i && !whereabouts_[j].known(frame);
-      if (!said && couldTouch(i, j, frame, flight_.frames[frame].utime)) {
+      const bool said = j < i && !whereabouts_[j].knownAfter(frame);
+      if (!said && apartAtLeastM(whereabouts_[i], whereabouts_[j], frame) < touching_m) {
         return true;
       }
     }
     return false;
-  }
-
-  /// In the middle of lost frames two that move can have come closest.
-  bool couldTouchAfter(std::size_t i, std::size_t j, std::size_t frame) const {
-    const bool both_rest = whereabouts_[i].rests(frame) && whereabouts_[j].rests(frame) &&
-                           whereabouts_[i].rests(frame + 1) && whereabouts_[j].rests(frame + 1);
-    const core::Utime begin = flight_.frames[frame].utime;
-    return !both_rest &&
-           couldTouch(i, j, frame, begin + (flight_.frames[frame + 1].utime - begin) / 2);
   }
 
   const Flight& flight_;
@@ -188,18 +214,19 @@ GapsOverTime gapsOverTime(const Flight& flight) {
   GapsOverTime gaps;
   gaps.frames.reserve(flight.frames.size());
   for (std::size_t frame = 0; frame < flight.frames.size(); ++frame) {
-    GapsOverTime::Entry entry{std::numeric_limits<double>::infinity(), 0, 0};
+    GapsOverTime::Entry entry{std::numeric_limits<double>::infinity(), 0, 0, 0};
     for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
       for (std::size_t j = i + 1; j < flight.vehicles.size(); ++j) {
         const FlightVehicle& a = flight.vehicles[i];
         const FlightVehicle& b = flight.vehicles[j];
-        if (!counts(whereabouts[i], whereabouts[j], frame)) {
+        const auto passage = passageAfter(flight, whereabouts[i], whereabouts[j], frame);
+        if (!passage) {
           continue;
         }
-        const double gap_m =
-            distance(whereabouts[i], whereabouts[j], frame) - a.body_radius_m - b.body_radius_m;
+        const Approach approach = closestOf(*passage);
+        const double gap_m = approach.distance_m - a.body_radius_m - b.body_radius_m;
         if (gap_m < entry.body_gap_m) {
-          entry = {gap_m, i, j};
+          entry = {gap_m, passage->utimeAt(approach.share), i, j};
         }
       }
     }
@@ -214,7 +241,7 @@ ClosestGap closestIn(const Flight& flight, const GapsOverTime& gaps, std::size_t
   for (std::size_t frame = begin; frame < end; ++frame) {
     const GapsOverTime::Entry& entry = gaps.frames[frame];
     if (entry.body_gap_m < closest.gap_m) {
-      closest = {entry.body_gap_m, flight.secondsAt(flight.frames[frame].utime),
+      closest = {entry.body_gap_m, flight.secondsAt(entry.utime),
                  flight.vehicles[entry.vehicle_a].name, flight.vehicles[entry.vehicle_b].name};
     }
   }
@@ -231,10 +258,9 @@ SeparationMetrics separationOf(const Flight& flight) {
       PairWatch bodies(flight, a, b, a.body_radius_m + b.body_radius_m);
       PairWatch assumed(flight, a, b, a.assumed_radius_m + b.assumed_radius_m);
       for (std::size_t frame = 0; frame < flight.frames.size(); ++frame) {
-        if (counts(whereabouts[i], whereabouts[j], frame)) {
-          const double distance_m = distance(whereabouts[i], whereabouts[j], frame);
-          bodies.see(frame, distance_m);
-          assumed.see(frame, distance_m);
+        if (const auto passage = passageAfter(flight, whereabouts[i], whereabouts[j], frame)) {
+          bodies.see(*passage);
+          assumed.see(*passage);
         }
       }
       keepCloser(result.body_gap, bodies.closest());

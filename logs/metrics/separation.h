@@ -7,10 +7,11 @@
 
 namespace roundabout::logs {
 
-/// The closest pair of every frame.
+/// The closest pair of every frame and of the time until the next.
 struct GapsOverTime {
   struct Entry {
     double body_gap_m;  ///< infinite: no two of which one is off the floor
+    core::Utime utime;  ///< when it was so small
     std::size_t vehicle_a;
     std::size_t vehicle_b;
   };
@@ -19,7 +20,7 @@ struct GapsOverTime {
 
 GapsOverTime gapsOverTime(const Flight& flight);
 
-/// The smallest gap between bodies in frames [begin, end).
+/// The smallest gap between bodies from frame begin to frame end.
 ClosestGap closestIn(const Flight& flight, const GapsOverTime& gaps, std::size_t begin,
                      std::size_t end);
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/core/agent.h"
 #include "logs/flight.h"
 
 namespace roundabout::logs {
@@ -22,12 +23,20 @@ class Whereabouts {
   /// place. What drives never rests.
   bool rests(std::size_t frame) const { return places_[frame].rests; }
 
-  /// The centres of both were at least so far apart at that time, which lies at or after the frame
-  /// and before the next: neither is faster than its top speed. Negative: no statement.
-  friend double apartAtLeastM(const Whereabouts& a, const Whereabouts& b, std::size_t frame,
-                              core::Utime utime);
+  /// From this frame to the next it is believed to be on the straight line between its places in
+  /// them. False for the last frame.
+  bool knownAfter(std::size_t frame) const;
+  /// From this frame to the next it rests at one place. False for the last frame.
+  bool restsAfter(std::size_t frame) const;
 
-  /// Frames [begin, end) between two sightings in which it is not known().
+  /// From this frame, not the last, to the next the centres of both stayed at least so far apart,
+  /// since neither is faster than its top speed. Negative: no statement.
+  friend double apartAtLeastM(const Whereabouts& a, const Whereabouts& b, std::size_t frame);
+  /// The same of the centre and the sides of a polygon. Negative: it may have been inside.
+  double apartAtLeastM(const core::Polygon& polygon_m, std::size_t frame) const;
+
+  /// From the last frame in which it was known() to the next, or the flight's begin or end, where
+  /// it is not knownAfter() in between.
   struct Stretch {
     std::size_t begin;
     std::size_t end;
@@ -52,6 +61,7 @@ class Whereabouts {
   void findSightings();
   void judge(std::size_t frame);
   bool restsAt(std::size_t frame) const;
+  /// Circles that all hold it at a time from this frame, not the last, to the next.
   std::vector<Circle> reach(std::size_t frame, core::Utime utime) const;
 
   const Flight& flight_;

@@ -49,6 +49,18 @@ class MetricsTest : public testing::Test {
     return computeMetrics(flight_);
   }
 
+  void loseFrames(double from_s, double to_s) {
+    for (int frame = static_cast<int>(std::lround(from_s / kFrameS));
+         frame < static_cast<int>(std::lround(to_s / kFrameS)); ++frame) {
+      synthetic_.lost_frames.insert(frame);
+    }
+  }
+
+  void hide(SyntheticVehicle& vehicle, double from_s, double to_s) {
+    vehicle.untracked_from_s = from_s;
+    vehicle.untracked_to_s = to_s;
+  }
+
   /// Two that pass each other on parallel lines; closest at 5 s.
   void passAt(double distance_m) {
     synthetic_.vehicles = {{"hex1", straight({-5, 0, 1}, {5, 0, 1}, 1.0)},
@@ -111,6 +123,50 @@ TEST_F(MetricsTest, ATouchedObstacleFailsTheFlight) {
   EXPECT_THAT(metrics.failures[0], HasSubstr("the body of hex1 touched obstacle box at 6.0 s "
                                              "(overlap 0.05 m)"));
   EXPECT_THAT(headline(metrics), HasSubstr("1 collision"));
+}
+
+TEST_F(MetricsTest, AnObstacleIsTouchedOnTheLineAcrossAShortTimeWithoutTrackingOrFrames) {
+  // hex1 passes through a box of 0.2 m from 4.55 to 5.45 s.
+  passAt(3.0);
+  obstacles_ = {{"box", {{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}}}};
+  for (const bool frames_lost : {false, true}) {
+    if (frames_lost) {
+      hide(synthetic_.vehicles[0], 1e9, 1e9);
+      loseFrames(4.54, 5.46);
+    } else {
+      hide(synthetic_.vehicles[0], 4.54, 5.46);
+    }
+    const Metrics metrics = measure();
+    ASSERT_EQ(metrics.obstacles.touches.size(), 1u) << frames_lost;
+    EXPECT_NEAR(metrics.obstacles.touches[0].gap_m, -0.1 - 0.35, 0.01);
+    EXPECT_NEAR(metrics.obstacles.touches[0].at_s, 5.0, 2 * kFrameS);
+    EXPECT_THAT(metrics.obstacles.unseen, IsEmpty());
+    EXPECT_FALSE(metrics.success);
+  }
+}
+
+TEST_F(MetricsTest, CannotTellWhetherAVehicleThatWasUnseenForLongTouchedAnObstacle) {
+  passAt(9.0);
+  obstacles_ = {{"box", {{-0.1, -0.9}, {0.1, -0.9}, {0.1, -0.7}, {-0.1, -0.7}}},
+                {"far", {{-0.1, -3.9}, {0.1, -3.9}, {0.1, -3.7}, {-0.1, -3.7}}}};
+  EXPECT_TRUE(measure().success);
+  hide(synthetic_.vehicles[0], 4.0, 6.0);
+  const Metrics metrics = measure();
+  EXPECT_THAT(metrics.obstacles.touches, IsEmpty());
+  EXPECT_THAT(metrics.failures, ElementsAre("cannot tell whether bodies touched: hex1 unseen "
+                                            "4.0-6.0 s near box"));
+  EXPECT_THAT(headline(metrics), HasSubstr("nobody saw whether bodies touched"));
+  const auto json = nlohmann::json::parse(toJson(metrics));
+  EXPECT_EQ(json["obstacles"]["unseen"][0]["near"][0], "box");
+}
+
+TEST_F(MetricsTest, OneThatSlidesAlongTheFloorTouchesAnObstacleOneThatRestsWasPutThere) {
+  obstacles_ = {{"box", {{1.0, -1.0}, {2.0, -1.0}, {2.0, 1.0}, {1.0, 1.0}}}};
+  synthetic_.vehicles = {{"hex1", straight({0, 0, 0.1}, {0.8, 0, 0.1}, 0.5)},
+                         {"hex2", standing({2.2, 0, 0.1})}};
+  const Metrics metrics = measure();
+  ASSERT_EQ(metrics.obstacles.touches.size(), 1u);
+  EXPECT_EQ(metrics.obstacles.touches[0].vehicle_a, "hex1");
 }
 
 TEST_F(MetricsTest, CountsACollisionAndCallsTheFlightFailed) {
@@ -211,11 +267,42 @@ TEST_F(MetricsTest, CannotTellWhatAVehicleTouchedThatWasNotSeenAgain) {
   EXPECT_NEAR(metrics.separation.unseen[0].end_at_s, 11.0, kFrameS);
 }
 
+TEST_F(MetricsTest, BodiesThatPassThroughEachOtherWhileFramesAreLostTouch) {
+  passAt(0.0);
+  loseFrames(4.55, 5.45);
+  const Metrics metrics = measure();
+  ASSERT_EQ(metrics.separation.touches.size(), 1u);
+  EXPECT_NEAR(metrics.separation.touches[0].closest_gap_m, -0.7, 1e-3);
+  // Centres are nearer than 0.7 m while 2 m/s x |t - 5 s| < 0.7 m.
+  EXPECT_NEAR(metrics.separation.touches[0].begin_at_s, 4.65, 1e-3);
+  EXPECT_NEAR(metrics.separation.touches[0].end_at_s, 5.35, 1e-3);
+  EXPECT_NEAR(metrics.separation.touching_time_s, 0.7, 1e-3);
+  EXPECT_NEAR(metrics.separation.body_gap.at_s, 5.0, 1e-3);
+  EXPECT_EQ(metrics.formations[0].touches, 1);
+  EXPECT_NEAR(metrics.formations[0].body_gap.gap_m, -0.7, 1e-3);
+  EXPECT_NEAR(metrics.formations[0].body_gap.at_s, 5.0, 1e-3);
+  EXPECT_FALSE(metrics.success);
+}
+
+TEST_F(MetricsTest, CannotTellWhatHappenedWhenLostFramesFollowUponALostTrack) {
+  // Of the 1.8 s in which hex1 was not seen the log holds only frames at their ends.
+  passAt(0.4);
+  hide(synthetic_.vehicles[0], 4.1, 5.9);
+  loseFrames(4.11, 5.89);
+  EXPECT_THAT(measure().failures, testing::Contains(HasSubstr("hex1 unseen 4.1-5.9 s near hex2")));
+}
+
+TEST_F(MetricsTest, CannotTellWhetherTwoThatPartedWhileTheLogLostFramesTouchedFirst) {
+  // 0.8 m apart before, 4.2 m after 1.2 s: near enough only at the beginning.
+  synthetic_.vehicles = {{"hex1", straight({0, 0, 1}, {-1.7, 0, 1}, 1.5, 4.0)},
+                         {"hex2", straight({0.8, 0, 1}, {2.5, 0, 1}, 1.5, 4.0)}};
+  loseFrames(4.0, 5.2);
+  EXPECT_THAT(measure().failures, testing::Contains(HasSubstr("near hex2")));
+}
+
 TEST_F(MetricsTest, CannotTellWhatHappenedWhileTheLogLostFrames) {
   passAt(0.4);
-  for (int frame = 850; frame < 1150; ++frame) {
-    synthetic_.lost_frames.insert(frame);
-  }
+  loseFrames(4.25, 5.75);
   EXPECT_THAT(measure().failures, testing::Contains(HasSubstr("hex1 unseen 4.2-5.8 s near hex2")));
 }
 
