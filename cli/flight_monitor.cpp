@@ -8,6 +8,7 @@
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
 #include "common/core/fleet_phase.h"
+#include "roundabout_msgs/mission_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 
 namespace roundabout::cli {
@@ -46,7 +47,9 @@ FlightMonitor::FlightMonitor(bus::Bus& bus, const config::Experiment& experiment
         events_.fleet_heard();
       },
       ignore);
-  bus.subscribe(bus::kMissionChannel, [this](const bus::Received&) { steered_by_message_ = true; });
+  bus::subscribe<roundabout_msgs::mission_t>(
+      bus, bus::kMissionChannel,
+      [this](const roundabout_msgs::mission_t&) { steered_by_message_ = true; }, ignore);
   for (const config::Vehicle& vehicle : experiment.vehicles) {
     body_radius_m_[vehicle.name] = vehicle.body_radius_m;
     bus::subscribe<planner_status_t>(
@@ -61,6 +64,11 @@ FlightMonitor::FlightMonitor(bus::Bus& bus, const config::Experiment& experiment
 bool FlightMonitor::missionOver() const {
   return progress_.fleet.phase == fleet_status_t::IDLE && progress_.fleet.num_steps > 0 &&
          !steered_by_message_;
+}
+
+bool FlightMonitor::missionEnded() const {
+  return progress_.fleet.phase == fleet_status_t::DONE ||
+         progress_.fleet.phase == fleet_status_t::FAILED;
 }
 
 void FlightMonitor::onFrame(const core::StatesFrame& frame) {

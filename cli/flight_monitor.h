@@ -40,6 +40,8 @@ class FlightMonitor {
   /// The file's mission was flown to its end and leaves the vehicles in the air, and nobody has
   /// given the fleet another step.
   bool missionOver() const;
+  /// The fleet has said that the mission is done or has failed.
+  bool missionEnded() const;
 
  private:
   void onFrame(const core::StatesFrame& frame);

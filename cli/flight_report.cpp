@@ -58,7 +58,7 @@ bool reportFlight(const FlightPlan& plan, const FlightResult& result, bool with_
   const bool all_files = with_files && writeFiles(plan, flight, metrics, console);
   console.say(fmt::format("{} in {}", all_files ? "log, metrics, report and pictures" : "log",
                           plan.folder.string()));
-  return metrics.success && result.log_complete;
+  return metrics.success && result.log_complete && result.orderly;
 }
 
 }  // namespace roundabout::cli

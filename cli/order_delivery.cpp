@@ -36,8 +36,9 @@ struct Planner {
 /// Everybody who is heard of, by vehicle.
 using Heard = std::map<std::string, Planner>;
 
+/// A newer order has overtaken this one: repeating it would change nothing.
 bool obeys(const Planner& planner, const core::SafetyOrder& order) {
-  return planner.order_utime == order.utime &&
+  return planner.order_utime >= order.utime &&
          (order.order != core::SafetyOrderKind::kKill || planner.mode == PlannerMode::kKilled);
 }
 
@@ -106,12 +107,32 @@ Delivery judge(const Heard& heard, const core::SafetyOrder& order) {
     if (obeys(planner, order)) {
       delivery.obeyed.push_back(name + ": " + planner.describe());
     } else if (planner.mode == PlannerMode::kNeverHeard) {
-      delivery.problems.push_back(name + ": its planner is not heard");
+      delivery.problems.push_back(name + ": its planner is not heard" +
+                                  (order.order == core::SafetyOrderKind::kKill
+                                       ? "; the vehicle itself was told to stop"
+                                       : ""));
     } else {
       delivery.problems.push_back(name + " does not obey: " + planner.describe());
     }
   }
   return delivery;
+}
+
+}  // namespace
+
+namespace {
+
+/// Vehicles whose planner may be dead hear a kill themselves: they obey one whatever its stamp.
+void killSilentOnes(bus::Bus& bus, const Heard& heard, const core::SafetyOrder& order) {
+  for (const auto& [name, planner] : heard) {
+    const bool addressed = order.vehicle.empty() || order.vehicle == name;
+    if (addressed && planner.mode == PlannerMode::kNeverHeard) {
+      core::Command kill;
+      kill.vehicle = name;
+      kill.mode = core::CommandMode::kKill;
+      bus::publish(bus, bus::commandChannel(name), bus::toMessage(kill));
+    }
+  }
 }
 
 }  // namespace
@@ -133,6 +154,9 @@ Delivery deliver(bus::Bus& bus, const core::SafetyOrder& order, const DeliveryLi
       }
     } else if (now_s - sent_s >= limits.repeat_s) {
       sent_s = send();
+      if (order.order == core::SafetyOrderKind::kKill && now_s - begin_s >= limits.listen_s) {
+        killSilentOnes(bus, *heard, order);
+      }
     }
   }
   return judge(*heard, order);

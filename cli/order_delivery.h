@@ -24,10 +24,11 @@ struct Delivery {
 };
 
 /// Sends a safety order at once, then again, with the same stamp, until every planner that it is
-/// for says in its status that it obeyed (planner_status_t.order_utime; a kill only once it is in
-/// mode KILLED) or time is up. Who has to answer an order to all is whoever has a planner, is in
-/// the fleet's status or among the vehicle states. The order's utime must be later than 0 and its
-/// own. The bus should be an object made for this order: subscriptions last as long as their bus.
+/// for says in its status that it obeyed it or a newer one (planner_status_t.order_utime; a kill
+/// only once it is in mode KILLED) or time is up. A kill also goes to vehicles without a planner.
+/// Who has to answer an order to all is whoever has a planner, is in the fleet's status or among
+/// the vehicle states. The order's utime must be later than 0 and its own. The bus should be an
+/// object made for this order: subscriptions last as long as their bus.
 Delivery deliver(bus::Bus& bus, const core::SafetyOrder& order, const DeliveryLimits& limits = {});
 
 }  // namespace roundabout::cli

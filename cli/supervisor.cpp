@@ -106,6 +106,7 @@ FlightResult Supervisor::run() {
   result.log_complete = closeLog();
   result.states_seen = flying();
   result.interrupted = stop_.requested();
+  result.orderly = !director_.early() && director_.notLanded().empty();
   result.set_up_s = first_state_s_.value_or(ended_s) - created_s_;
   result.wall_s = ended_s - first_state_s_.value_or(ended_s);
   result.data_s = monitor_->progress().elapsed_s();
@@ -173,6 +174,12 @@ void Supervisor::reap() {
 
 void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
   if (child.role == Role::kSim && status.clean()) {
+    if (flying() && !monitor_->missionEnded()) {
+      report(
+          fmt::format("{:.2f} s: sim ended before the mission did: it was stopped, or "
+                      "sim.max_duration_s ({} s) was up",
+                      monitor_->progress().elapsed_s(), plan_.experiment.sim.max_duration_s));
+    }
     return;
   }
   std::vector<std::string> lines = child.process->lastLines(kLinesShown);

@@ -40,6 +40,7 @@ class ChildFailure : public std::runtime_error {
 
 struct FlightResult {
   bool states_seen = false;
+  bool orderly = false;             ///< to the end of the mission, and all landed that could
   bool interrupted = false;         ///< by the user
   bool log_complete = true;         ///< to its last message
   double set_up_s = 0.0;            ///< wall clock, until the first state

@@ -334,8 +334,9 @@ void Coordinator::sendToFormation(core::Utime now) {
 
 void Coordinator::stay(core::Utime now) {
   for (std::size_t i = 0; i < roster_.size(); ++i) {
-    setGoal(now, i, core::GoalPhase::kGo,
-            nearestGoal(experiment_, i, roster_[i].state.position_world_m));
+    // Who is on the floor stays there: a planner takes no goal to fly to from it.
+    const auto phase = roster_.onFloor(i) ? core::GoalPhase::kLand : core::GoalPhase::kGo;
+    setGoal(now, i, phase, nearestGoal(experiment_, i, roster_[i].state.position_world_m));
   }
 }
 

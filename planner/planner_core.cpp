@@ -136,22 +136,31 @@ const char* PlannerCore::onOrder(const core::SafetyOrder& order) {
     rejected_messages_ += known ? 0 : 1;
     return known ? nullptr : "for a vehicle that the experiment does not have";
   }
-  // What makes the vehicle safer is obeyed whatever its stamp. Only an old RESUME is refused, and a
-  // repeated one lifts nothing that was latched since.
   const bool resume = order.order == core::SafetyOrderKind::kResume;
-  if (resume && order.utime < last_order_) {
+  const bool no_such_time = order.utime >= kNoSuchTime;
+  if (resume && (order.utime < last_order_ || no_such_time)) {
     onRejected();
-    latch_.remark("a resume older than the last order was refused");
-    return "a resume that is older than the last order";
+    latch_.remark(no_such_time ? "a resume with a corrupt stamp was refused"
+                               : "a resume older than the last order was refused");
+    return "a resume that is older than the last order, or corrupt";
   }
-  if (resume && order.utime > 0 && order.utime == obeyed_order_) {
+  if (resume && order.utime > 0 && order.utime <= last_resume_) {
+    return nullptr;  // repeated: it lifts nothing that was latched since
+  }
+  if (resume) {
+    last_resume_ = order.utime;
+    resumed_ = resumed_ || started();
+  }
+  // What makes the vehicle safer is obeyed whatever its stamp, but an old order makes nothing less
+  // safe: a hold that is repeated until everybody holds must not end a landing ordered since.
+  if (order.utime > 0 && order.utime < last_order_) {
+    latch_.raise(order.order);
     return nullptr;
   }
-  if (order.utime < kNoSuchTime) {
-    last_order_ = std::max(last_order_, order.utime);
+  if (!no_such_time) {
+    last_order_ = order.utime;
+    obeyed_order_ = order.utime;
   }
-  obeyed_order_ = order.utime;
-  resumed_ = resumed_ || (resume && started());
   latch_.order(order.order);
   return nullptr;
 }
@@ -189,7 +198,7 @@ void PlannerCore::applyGoal(const core::Goal& goal) {
   const Track& own = tracks_.at(own_index_);
   const bool is_new = !goal_ || goal_->goal_id != goal.goal_id || goal_->phase != goal.phase;
   if (is_new && goal.phase == core::GoalPhase::kTakeOff && own.seen()) {
-    const double away_m = (goal.position_world_m - own.state().position_world_m).head<2>().norm();
+    const double away_m = awayFrom(goal);
     if (away_m > kTakeOffReach_m) {
       onRejected();
       refused_take_off_ = fmt::format("a take-off goal {:.1f} m away was refused", away_m);
@@ -212,6 +221,11 @@ bool PlannerCore::inTheAir() const {
   return own.seen() && config::flies(vehicle()) &&
          own.state().position_world_m.z() - experiment_.room.min_m.z() >
              experiment_.safety.airborne_height_m;
+}
+
+double PlannerCore::awayFrom(const core::Goal& goal) const {
+  const Eigen::Vector3d& own = tracks_.at(own_index_).state().position_world_m;
+  return (goal.position_world_m - own).head<2>().norm();
 }
 
 bool PlannerCore::atRestOnFloor() const {
@@ -260,7 +274,8 @@ std::string PlannerCore::lostNeighbour(core::Utime now) const {
     if (!other.seen()) {
       return experiment_.vehicles[i].name + " was never tracked";
     }
-    const double distance_m = (other.state().position_world_m.head<2>() - own).norm();
+    const double distance_m = std::min((other.state().position_world_m.head<2>() - own).norm(),
+                                       (other.positionAt(now) - own).norm());
     if (other.ageS(now) > safety.other_track_lost_s &&
         distance_m <= safety.other_track_hold_radius_m) {
       return experiment_.vehicles[i].name + " is near and not tracked";
@@ -314,6 +329,9 @@ PlannerCore::Verdict PlannerCore::obeyGoal(core::Utime now) {
   }
   const double height_m = tracks_.at(own_index_).state().position_world_m.z();
   if (goal_->phase == core::GoalPhase::kTakeOff) {
+    if (config::flies(vehicle()) && !inTheAir() && awayFrom(*goal_) > kTakeOffReach_m) {
+      return {Mode::kOnFloor, fmt::format("the take-off goal is {:.1f} m away", awayFrom(*goal_))};
+    }
     const bool reached = !config::flies(vehicle()) ||
                          std::abs(height_m - goal_->position_world_m.z()) < kHeightReached_m;
     return {reached ? Mode::kAtGoal : Mode::kTakingOff, ""};

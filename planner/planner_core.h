@@ -110,6 +110,7 @@ class PlannerCore {
   std::string lostNeighbour(core::Utime now) const;
   bool inTheAir() const;
   bool atRestOnFloor() const;
+  double awayFrom(const core::Goal& goal) const;  // m, horizontal
   void noteMotors(Mode mode);
   core::EgoAgent egoAgent(core::Utime now) const;
   void collectOthers(core::Utime now);
@@ -128,10 +129,11 @@ class PlannerCore {
   RoomGuard room_;
   OrderLatch latch_;
   core::Utime first_frame_ = 0;
-  bool placed_ = false;           // the own vehicle was seen
-  bool motors_on_ = false;        // as far as anybody can tell from here
-  bool resumed_ = false;          // by an operator, since the first frame
-  core::Utime last_order_ = 0;    // the newest
+  bool placed_ = false;         // the own vehicle was seen
+  bool motors_on_ = false;      // as far as anybody can tell from here
+  bool resumed_ = false;        // by an operator, since the first frame
+  core::Utime last_order_ = 0;  // the newest
+  core::Utime last_resume_ = 0;
   core::Utime obeyed_order_ = 0;  // the last to arrive
   std::vector<core::Goal> pending_goals_;
   std::optional<core::Goal> goal_;

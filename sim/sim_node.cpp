@@ -1,6 +1,7 @@
 #include "sim/sim_node.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
@@ -92,6 +93,8 @@ void SimNode::advance() {
     mocap_.observe(world_.now(), world_.bodies());
   }
   logNewContacts();
+  // Of the world as it is now, which is as much newer than the frame as that is late.
+  sweeps_ = scanners_.sweep(world_.now(), world_.bodies());
 }
 
 core::Utime SimNode::publishFrame() {
@@ -100,9 +103,8 @@ core::Utime SimNode::publishFrame() {
   return publisher_.lastPublished().utime;
 }
 
-/// Of the world as it is now, which is as much newer than the frame as that is late.
 void SimNode::publishScans() {
-  for (const LaserScanners::Sweep& sweep : scanners_.sweep(world_.now(), world_.bodies())) {
+  for (const LaserScanners::Sweep& sweep : std::exchange(sweeps_, {})) {
     bus::publish(bus_, bus::laserScanChannel(experiment_.vehicles[sweep.vehicle].name),
                  bus::toMessage(sweep.scan));
   }

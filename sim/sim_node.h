@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "common/bus/bus.h"
 #include "common/config/experiment.h"
@@ -69,6 +70,7 @@ class SimNode {
   World world_;
   MocapModel mocap_;
   LaserScanners scanners_;
+  std::span<const LaserScanners::Sweep> sweeps_;  // that go out before the next frame
   bus::Bus& bus_;
   mocap_bridge::StatePublisher publisher_;
   Rejections rejections_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -92,6 +94,26 @@ Suite casesOf(const Options& options) {
           {}};
 }
 
+/// Of the cases to draw and to animate.
+void checkNumbers(const Options& options, const Suite& suite) {
+  std::size_t most = 0;
+  for (const CaseGroup& group : suite.groups) {
+    most = std::max(most, group.cases.size());
+  }
+  const auto check = [](const char* option, int number, std::size_t cases) {
+    if (static_cast<std::size_t>(number) >= cases) {
+      throw core::StartupError("evaluate", option, fmt::format("a case from 0 to {}", cases - 1),
+                               fmt::format("{}", number));
+    }
+  };
+  for (const int number : options.draw) {
+    check("--draw", number, most);
+  }
+  if (options.animate) {
+    check("--animate", *options.animate, suite.groups.front().cases.size());
+  }
+}
+
 Evaluation prepare(const Options& options) {
   const int sources = static_cast<int>(!options.suite.empty()) +
                       static_cast<int>(!options.case_file.empty()) +
@@ -116,23 +138,67 @@ Evaluation prepare(const Options& options) {
                                options.mix_share, options.seed});
   }
   evaluation.suite = casesOf(options);
+  checkNumbers(options, evaluation.suite);
   evaluation.rules.goal_distance_m =
       evaluation.suite.goal_distance_m.value_or(evaluation.rules.goal_distance_m);
   return evaluation;
 }
 
+/// FNV-1a.
+std::uint64_t hashOf(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char byte : bytes) {
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+  }
+  return hash;
+}
+
+std::uint64_t hashOfCases(const Suite& suite) {
+  std::string text;
+  const auto add = [&](const Eigen::Vector2d& point) {
+    text += fmt::format("{} {} ", point.x(), point.y());
+  };
+  for (const CaseGroup& group : suite.groups) {
+    text += group.name + ":";
+    for (const TestCase& each : group.cases) {
+      for (const AgentSpec& agent : each.agents) {
+        add(agent.start_m);
+        add(agent.goal_m);
+        text += fmt::format("{} {} ", agent.radius_m, agent.preferred_speed_mps);
+      }
+      for (const auto& goals_m : each.later_goals_m) {
+        std::for_each(goals_m.begin(), goals_m.end(), add);
+      }
+    }
+  }
+  return hashOf(text);
+}
+
+/// A policy and what its weight file holds.
+json describePolicy(const std::string& specification) {
+  const std::size_t colon = specification.find(':');
+  if (colon == std::string::npos) {
+    return specification;
+  }
+  std::ifstream file(specification.substr(colon + 1), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return {{"policy", specification}, {"weights_hash", fmt::format("{:016x}", hashOf(bytes))}};
+}
+
 // What makes two runs the same.
 json describe(const Options& options, const Evaluation& evaluation) {
-  return {{"policies", options.policies},
+  json policies = json::array();
+  for (const std::string& specification : options.policies) {
+    policies.push_back(describePolicy(specification));
+  }
+  return {{"policies", policies},
           {"suite", evaluation.suite.name},
           {"case_file", options.case_file},
           {"cases", evaluation.casesPerContestant()},
-          {"generator",
-           {options.generator.half_side_m, options.generator.min_radius_m,
-            options.generator.max_radius_m, options.generator.min_speed_mps,
-            options.generator.max_speed_mps, options.generator.min_gap_m}},
+          {"cases_hash", fmt::format("{:016x}", hashOfCases(evaluation.suite))},
           {"rules", {{"name", evaluation.rules.name}, {"text", evaluation.rules.sentences()}}},
-          {"mix", options.mix.empty() ? json(nullptr) : json{options.mix, options.mix_share}},
+          {"mix", options.mix.empty() ? json(nullptr)
+                                      : json{describePolicy(options.mix), options.mix_share}},
           {"seed", options.seed}};
 }
 
@@ -232,7 +298,7 @@ int evaluate(const Options& options) {
         results.append(evaluation, row, result);
         decisions += result.decisions;
         const Place place = placeOf(evaluation, row);
-        progress.show(row + 1, labelOf(evaluation.contestants[place.contestant].specification),
+        progress.show(row + 1, labelOf(evaluation, place.contestant),
                       row + 1 == evaluation.cases());
       },
       [&] { return !stop.requested(); });

@@ -103,7 +103,7 @@ bool runAll(const Evaluation& evaluation, std::size_t first, int threads,
   std::atomic<bool> stopped{false};
   InOrder in_order(first, on_result);
   std::exception_ptr failure;
-  std::mutex failure_mutex;
+  std::mutex mutex;  // of failure and keep_going
   const auto work = [&] {
     try {
       CaseRunner runner(evaluation);
@@ -113,12 +113,11 @@ bool runAll(const Evaluation& evaluation, std::size_t first, int threads,
           return;
         }
         in_order.add(row, runner.run(row));
-        if (!keep_going()) {
-          stopped = true;
-        }
+        const std::lock_guard lock(mutex);
+        stopped = stopped || !keep_going();
       }
     } catch (...) {
-      const std::lock_guard lock(failure_mutex);
+      const std::lock_guard lock(mutex);
       failure = std::current_exception();
       stopped = true;
     }

@@ -63,8 +63,9 @@ class CaseRunner {
 };
 
 /// Runs rows [first, evaluation.cases()) on `threads` threads. on_result is called for every row in
-/// order, on one thread at a time. Returns false if keep_going() said no before the end: the rows
-/// passed on so far are whole. The results do not depend on the number of threads.
+/// order. Both callbacks are called by one thread at a time each. Returns false if keep_going()
+/// said no before the end: the rows passed on so far are whole. The results do not depend on the
+/// number of threads.
 bool runAll(const Evaluation& evaluation, std::size_t first, int threads,
             const std::function<void(std::size_t row, const EpisodeResult&)>& on_result,
             const std::function<bool()>& keep_going);

@@ -31,9 +31,8 @@ constexpr int kHoldFrames = 10;  // at the end of an animation
 /// "ga3c_cadrl_IROS18_4_agents_17"
 std::string fileNameOf(const Evaluation& evaluation, std::size_t row) {
   const Place place = placeOf(evaluation, row);
-  std::string name =
-      fmt::format("{}_{}_{}", labelOf(evaluation.contestants[place.contestant].specification),
-                  evaluation.suite.groups[place.group].name, place.number);
+  std::string name = fmt::format("{}_{}_{}", labelOf(evaluation, place.contestant),
+                                 evaluation.suite.groups[place.group].name, place.number);
   std::string clean;
   for (const char character : name) {
     const bool plain = std::isalnum(static_cast<unsigned char>(character)) != 0;
@@ -47,8 +46,7 @@ std::string fileNameOf(const Evaluation& evaluation, std::size_t row) {
 std::string titleOf(const Evaluation& evaluation, std::size_t row) {
   const Place place = placeOf(evaluation, row);
   const CaseGroup& group = evaluation.suite.groups[place.group];
-  return fmt::format("{}: {}{}", labelOf(evaluation.contestants[place.contestant].specification),
-                     group.name,
+  return fmt::format("{}: {}{}", labelOf(evaluation, place.contestant), group.name,
                      group.cases.size() > 1 ? fmt::format(", case {}", place.number) : "");
 }
 
@@ -120,7 +118,7 @@ std::string failurePanel(GnuplotScript& script, const Evaluation& evaluation,
                        return fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score),
                                           100.0 * score.collision_share, width);
                      }),
-              boxStyle(color, labelOf(evaluation.contestants[i].specification)));
+              boxStyle(color, labelOf(evaluation, i)));
   }
   return parts.command();
 }

@@ -85,7 +85,8 @@ class IdealEpisode {
     EpisodeResult result;
     result.outcome = outcome();
     result.steps = steps_;
-    result.mean_extra_time_s = extra_time_s_ / arrivals_;
+    result.mean_extra_time_s =
+        arrivals_ > 0 ? extra_time_s_ / arrivals_ : std::numeric_limits<double>::quiet_NaN();
     result.closest_separation_m = closest_m_;
     result.decisions = queries_;
     return result;

@@ -120,7 +120,7 @@ class LabEpisode {
       return std::any_of(agents_.begin(), agents_.end(),
                          [what](const Agent& agent) { return agent.*what; });
     };
-    return any(&Agent::collided)    ? Outcome::kCollision
+    return touched_                 ? Outcome::kCollision
            : any(&Agent::timed_out) ? Outcome::kStuck
                                     : Outcome::kAllAtGoal;
   }
@@ -129,7 +129,8 @@ class LabEpisode {
     EpisodeResult result;
     result.outcome = outcome();
     result.steps = steps_;
-    result.mean_extra_time_s = extra_time_s_ / arrivals_;
+    result.mean_extra_time_s =
+        arrivals_ > 0 ? extra_time_s_ / arrivals_ : std::numeric_limits<double>::quiet_NaN();
     result.closest_separation_m = closest_m_;
     result.decisions = queries_;
     return result;
@@ -199,8 +200,9 @@ class LabEpisode {
         const config::Vehicle& b = experiment_.vehicles[j];
         closest_m_ = std::min(closest_m_, distance_m - a.assumed_radius_m - b.assumed_radius_m);
         if (distance_m <= a.body_radius_m + b.body_radius_m) {
-          agents_[i].collided = agents_[i].collided || !agents_[i].at_goal;
-          agents_[j].collided = agents_[j].collided || !agents_[j].at_goal;
+          touched_ = true;
+          agents_[i].collided = true;
+          agents_[j].collided = true;
         }
       }
     }
@@ -247,6 +249,7 @@ class LabEpisode {
   core::Utime next_frame_ = 0;
   core::Utime mocap_time_ = 0;
   std::int64_t last_goal_ = 0;
+  bool touched_ = false;  // any two, since they took off
   int steps_ = 0;
   int arrivals_ = 0;
   long queries_ = 0;

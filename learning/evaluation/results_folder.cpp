@@ -89,9 +89,12 @@ ResultsFolder::ResultsFolder(const fs::path& folder, const nlohmann::json& run, 
     readFinished(evaluation);
   }
   fs::create_directories(folder_, error);
-  std::ofstream(run_file) << run.dump(2) << '\n';
-  cases_.open(folder_ / "cases.csv", there ? std::ios::app : std::ios::trunc);
   if (!there) {
+    std::ofstream(run_file) << run.dump(2) << '\n';
+  }
+  const bool has_rows = !finished_.empty();
+  cases_.open(folder_ / "cases.csv", has_rows ? std::ios::app : std::ios::trunc);
+  if (!has_rows) {
     cases_ << kTitles << std::flush;
   }
   if (!cases_) {
@@ -104,7 +107,10 @@ void ResultsFolder::readFinished(const Evaluation& evaluation) {
   const fs::path file = folder_ / "cases.csv";
   std::ifstream in(file);
   std::string line;
-  std::getline(in, line);
+  // Without its titles the file was being begun when the run was stopped, and begins anew.
+  if (!std::getline(in, line) || line + "\n" != kTitles) {
+    return;
+  }
   std::uintmax_t whole = line.size() + 1;
   while (finished_.size() < evaluation.cases() && std::getline(in, line) && !in.eof()) {
     EpisodeResult result;
@@ -116,8 +122,13 @@ void ResultsFolder::readFinished(const Evaluation& evaluation) {
     whole += line.size() + 1;
   }
   in.close();
-  // A row without its end was being written when the run was stopped.
-  fs::resize_file(file, whole);
+  // A row without its end was being written.
+  std::error_code error;
+  fs::resize_file(file, whole, error);
+  if (error) {
+    throw core::StartupError(file.string(), "--resume", "a file that can be written to",
+                             error.message());
+  }
 }
 
 void ResultsFolder::append(const Evaluation& evaluation, std::size_t row,

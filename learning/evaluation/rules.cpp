@@ -59,7 +59,7 @@ std::vector<std::string> Rules::sentences() const {
           ? std::string("Collision: centres no farther apart than the sum of the radii. Who has "
                         "arrived keeps that, and whoever hits it has collided.")
           : fmt::format("Collision: centres no farther apart than {} of the sum of the radii that "
-                        "policies see.",
+                        "policies see, at any time since the take-off, arrived or not.",
                         body_share));
   all.push_back(
       fmt::format("Straight-line time: (distance from start to goal - {} m) / preferred "

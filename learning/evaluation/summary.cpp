@@ -33,7 +33,7 @@ json finiteOrNull(double value) { return std::isfinite(value) ? json(value) : js
 
 }  // namespace
 
-std::string labelOf(const std::string& specification) {
+std::string shortLabel(const std::string& specification) {
   const std::size_t colon = specification.find(':');
   if (colon == std::string::npos) {
     return specification;
@@ -42,10 +42,19 @@ std::string labelOf(const std::string& specification) {
                      std::filesystem::path(specification.substr(colon + 1)).stem().string());
 }
 
+std::string labelOf(const Evaluation& evaluation, std::size_t contestant) {
+  const std::string& specification = evaluation.contestants[contestant].specification;
+  const std::string label = shortLabel(specification);
+  const auto namesakes = std::count_if(
+      evaluation.contestants.begin(), evaluation.contestants.end(),
+      [&](const Contestant& other) { return shortLabel(other.specification) == label; });
+  return namesakes > 1 ? specification : label;
+}
+
 std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& scores) {
   std::size_t width = 6;
-  for (const Contestant& contestant : evaluation.contestants) {
-    width = std::max(width, labelOf(contestant.specification).size());
+  for (std::size_t i = 0; i < evaluation.contestants.size(); ++i) {
+    width = std::max(width, labelOf(evaluation, i).size());
   }
   std::string text =
       fmt::format("{}, rules \"{}\"\n", evaluation.suite.name, evaluation.rules.name);
@@ -58,12 +67,11 @@ std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& 
                           "success %", "collision %", "stuck %", "extra s: own successes",
                           fmt::format("solved by all ({})", score.common.cases), "separation m");
     }
-    text +=
-        fmt::format("{:<{}}  {:>9.1f}  {:>11.1f}  {:>7.1f}  {:<23}  {:<23}  {:>6.3f} {:>7.3f}\n",
-                    labelOf(evaluation.contestants[score.contestant].specification), width,
-                    100.0 * score.success_share, 100.0 * score.collision_share,
-                    100.0 * score.stuck_share, timesText(score.own), timesText(score.common),
-                    score.closest_separation_m, score.mean_closest_separation_m);
+    text += fmt::format(
+        "{:<{}}  {:>9.1f}  {:>11.1f}  {:>7.1f}  {:<23}  {:<23}  {:>6.3f} {:>7.3f}\n",
+        labelOf(evaluation, score.contestant), width, 100.0 * score.success_share,
+        100.0 * score.collision_share, 100.0 * score.stuck_share, timesText(score.own),
+        timesText(score.common), score.closest_separation_m, score.mean_closest_separation_m);
   }
   text +=
       "\nextra s: mean / 75th / 90th percentile over cases of the mean extra time to goal\n"
@@ -71,7 +79,7 @@ std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& 
   if (evaluation.mix) {
     text += fmt::format("mixed: {:.0f} % of the agents of every case run {} (seed {})\n",
                         100.0 * evaluation.mix->share,
-                        labelOf(evaluation.mix->others.specification), evaluation.mix->seed);
+                        shortLabel(evaluation.mix->others.specification), evaluation.mix->seed);
   }
   text += "\nRules:\n";
   for (const std::string& sentence : evaluation.rules.sentences()) {

@@ -9,8 +9,11 @@
 
 namespace roundabout::learning {
 
-/// What is called what in tables and figures: "orca", or for weights "ga3c_cadrl (FILE)".
-std::string labelOf(const std::string& specification);
+/// What a contestant is called in tables and figures: "orca", or for weights "ga3c_cadrl (FILE)",
+/// with the file's whole path where two would be called the same.
+std::string labelOf(const Evaluation& evaluation, std::size_t contestant);
+/// The same for the others of a mixed crowd.
+std::string shortLabel(const std::string& specification);
 
 /// The table of the paper, as text, with every rule that was used.
 std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& scores);

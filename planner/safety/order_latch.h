@@ -19,22 +19,16 @@ enum class Latch { kNone, kHold, kLand, kKill };
 class OrderLatch {
  public:
   void order(core::SafetyOrderKind kind) {
-    switch (kind) {
-      case core::SafetyOrderKind::kHold:
-        set(Latch::kHold, "ordered to hold");
-        break;
-      case core::SafetyOrderKind::kLand:
-        set(Latch::kLand, "ordered to land");
-        break;
-      case core::SafetyOrderKind::kKill:
-        set(Latch::kKill, "ordered to stop the motors");
-        break;
-      case core::SafetyOrderKind::kResume:
-        state_ = Latch::kNone;
-        reason_.clear();
-        break;
+    if (kind == core::SafetyOrderKind::kResume) {
+      state_ = Latch::kNone;
+      reason_.clear();
+    } else {
+      set(latchOf(kind), reasonOf(kind));
     }
   }
+
+  /// As order(), for one that came late: never lowers the state.
+  void raise(core::SafetyOrderKind kind) { fault(latchOf(kind), reasonOf(kind)); }
 
   /// A fault never lowers the state.
   void fault(Latch severity, const std::string& reason) {
@@ -54,6 +48,34 @@ class OrderLatch {
   const std::string& reason() const { return reason_; }
 
  private:
+  static Latch latchOf(core::SafetyOrderKind kind) {
+    switch (kind) {
+      case core::SafetyOrderKind::kHold:
+        return Latch::kHold;
+      case core::SafetyOrderKind::kLand:
+        return Latch::kLand;
+      case core::SafetyOrderKind::kKill:
+        return Latch::kKill;
+      case core::SafetyOrderKind::kResume:
+        break;
+    }
+    return Latch::kNone;
+  }
+
+  static const char* reasonOf(core::SafetyOrderKind kind) {
+    switch (kind) {
+      case core::SafetyOrderKind::kHold:
+        return "ordered to hold";
+      case core::SafetyOrderKind::kLand:
+        return "ordered to land";
+      case core::SafetyOrderKind::kKill:
+        return "ordered to stop the motors";
+      case core::SafetyOrderKind::kResume:
+        break;
+    }
+    return "";
+  }
+
   void set(Latch state, const std::string& reason) {
     if (state_ != Latch::kKill) {
       state_ = state;

@@ -16,6 +16,20 @@ constexpr double kMargin_m = 0.15;
 // Slowing down sideways may have this much of a change that brakes in front of a wall.
 constexpr double kFreeSlowing_mps = 0.3;
 
+// From `across` toward `wanted`, by at most `change`; by a little more as far as that slows down.
+double changeAcross(double across_mps, double wanted_mps, double change_mps) {
+  const double changed_mps =
+      std::clamp(wanted_mps, across_mps - change_mps, across_mps + change_mps);
+  const bool slows = (wanted_mps - across_mps) * across_mps < 0.0;
+  if (!slows) {
+    return changed_mps;
+  }
+  const double less_mps = std::min(std::abs(across_mps), change_mps + kFreeSlowing_mps);
+  const double slowed_mps = across_mps - std::copysign(less_mps, across_mps);
+  return across_mps > 0.0 ? std::min(changed_mps, std::max(slowed_mps, wanted_mps))
+                          : std::max(changed_mps, std::min(slowed_mps, wanted_mps));
+}
+
 }  // namespace
 
 RoomGuard::RoomGuard(const config::Room& room, const config::Vehicle& vehicle, double land_margin_m,
@@ -53,11 +67,8 @@ Eigen::Vector2d RoomGuard::clipVelocity(const Eigen::Vector2d& position_world_m,
     const double speed_mps = velocity_world_mps[axis];
     const double excess_mps = std::max(slowest[axis] - speed_mps, speed_mps - fastest[axis]);
     if (excess_mps > 0.0) {
-      const double across_mps = velocity_world_mps[1 - axis];
-      const double wanted_mps = wanted_world_mps[1 - axis];
-      const bool slows = std::abs(wanted_mps) < std::abs(across_mps);
-      const double change_mps = excess_mps + (slows ? kFreeSlowing_mps : 0.0);
-      clipped[1 - axis] = std::clamp(wanted_mps, across_mps - change_mps, across_mps + change_mps);
+      clipped[1 - axis] =
+          changeAcross(velocity_world_mps[1 - axis], wanted_world_mps[1 - axis], excess_mps);
     }
   }
   clipped = clipped.cwiseMax(slowest).cwiseMin(fastest);

@@ -10,6 +10,7 @@
 #include "common/bus/memory_bus.h"
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
+#include "roundabout_msgs/mission_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 
 namespace roundabout::cli {
@@ -148,6 +149,9 @@ TEST_F(FlightMonitorTest, TakesNoMissionForOverThatIsSteeredByMessage) {
   publishFleet(fleet_status_t::IDLE, 0);
   EXPECT_FALSE(monitor_->missionOver()) << "the file has none";
   bus_.publish("MISSION", {});
+  publishFleet(fleet_status_t::IDLE);
+  EXPECT_TRUE(monitor_->missionOver()) << "that was no mission";
+  bus::publish(bus_, "MISSION", roundabout_msgs::mission_t{});
   publishFleet(fleet_status_t::IDLE);
   EXPECT_FALSE(monitor_->missionOver()) << "somebody had a word with the fleet";
 }

@@ -8,6 +8,7 @@
 #include "common/bus/memory_bus.h"
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
+#include "roundabout_msgs/command_t.hpp"
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 
@@ -113,6 +114,39 @@ TEST_F(OrderDeliveryTest, TakesNoKillForObeyedUntilTheMotorsAreOff) {
               ElementsAre("hex1 does not obey: waiting, ordered"));
   planners_ = {{"hex1", {.obedient_mode = planner_status_t::KILLED}}};
   EXPECT_TRUE(order(SafetyOrderKind::kKill).complete());
+}
+
+TEST_F(OrderDeliveryTest, AKillReachesAVehicleWithoutAPlanner) {
+  bus_.subscribe(bus::kSafetyOrderChannel, [this](const bus::Received&) {
+    core::StatesFrame frame;
+    frame.vehicles.resize(1);
+    frame.vehicles[0].name = "hex3";
+    bus::publish(bus_, bus::kStatesChannel, bus::toMessage(frame));
+  });
+  int kills = 0;
+  bus::subscribe<roundabout_msgs::command_t>(
+      bus_, bus::commandChannel("hex3"),
+      [&](const roundabout_msgs::command_t& command) {
+        kills += command.vehicle == "hex3" && command.mode == roundabout_msgs::command_t::KILL;
+      },
+      [](const bus::DecodeError&) { FAIL(); });
+  EXPECT_FALSE(order(SafetyOrderKind::kKill).complete());
+  EXPECT_GT(kills, 0);
+  kills = 0;
+  order(SafetyOrderKind::kLand);
+  EXPECT_EQ(kills, 0);
+}
+
+TEST_F(OrderDeliveryTest, AnOrderThatANewerOneHasOvertakenIsNotRepeated) {
+  bus_.subscribe(bus::kSafetyOrderChannel, [this](const bus::Received&) {
+    planner_status_t status{};
+    status.vehicle = "hex1";
+    status.mode = planner_status_t::LANDING;
+    status.order_utime = kOrderTime + 1;
+    bus::publish(bus_, bus::plannerStatusChannel("hex1"), status);
+  });
+  EXPECT_TRUE(order(SafetyOrderKind::kHold).complete());
+  EXPECT_LE(stamps_.size(), 2u);
 }
 
 TEST_F(OrderDeliveryTest, MissesAVehicleWhosePlannerIsDead) {

@@ -321,6 +321,35 @@ TEST(PlannerCore, ARepeatedResumeLiftsNothingThatWasLatchedSince) {
   EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kLand);
 }
 
+TEST(PlannerCore, AHoldThatIsRepeatedDoesNotEndALandingOrderedSince) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  const core::SafetyOrder hold{flight.now + 1, "", SafetyOrderKind::kHold};
+  flight.core.onOrder(hold);
+  flight.core.onOrder({flight.now + 2, "", SafetyOrderKind::kLand});
+  flight.core.onOrder(hold);
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kLand);
+  EXPECT_EQ(flight.core.obeyedOrder(), hold.utime + 1);
+}
+
+TEST(PlannerCore, AResumeThatIsRepeatedDoesNotLiftAKillWithAnOlderStamp) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  const core::SafetyOrder resume{flight.now + 10, "", SafetyOrderKind::kResume};
+  flight.core.onOrder(resume);
+  flight.core.onOrder({flight.now + 8, "", SafetyOrderKind::kKill});  // by a clock that is behind
+  flight.core.onOrder(resume);
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kKill);
+}
+
+TEST(PlannerCore, AResumeWithACorruptStampIsRefused) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.order(SafetyOrderKind::kHold);
+  flight.core.onOrder({std::numeric_limits<core::Utime>::max(), "", SafetyOrderKind::kResume});
+  EXPECT_EQ(flight.run(0.1).command.mode, CommandMode::kHold);
+}
+
 TEST(PlannerCore, SaysWhyAResumeIsRefused) {
   FakeFlight flight;
   flight.flyTo({4.0, 0.0, 1.0});
@@ -501,6 +530,31 @@ TEST(PlannerCore, ATakeOffToSomewhereElseIsRefused) {
   EXPECT_EQ(tick.status.reason, "a take-off goal 2.0 m away was refused");
   flight.goal(GoalPhase::kTakeOff, {0.3, 0.0, 1.0}, 2);
   EXPECT_EQ(flight.run(0.2).status.mode, Mode::kTakingOff);
+}
+
+TEST(PlannerCore, AVehicleThatWasCarriedAwayDoesNotTakeOffForItsOldPlace) {
+  FakeFlight flight;
+  flight.run(0.1);
+  flight.order(SafetyOrderKind::kHold);
+  flight.goal(GoalPhase::kTakeOff, {0.0, 0.0, 1.0});
+  flight.run(0.2);
+  for (double x = 0.0; x < 2.0; x += 0.1) {
+    flight.own().position_world_m.x() = x;
+    flight.run(0.005);
+  }
+  flight.order(SafetyOrderKind::kResume);
+  const auto tick = flight.run(0.2);
+  EXPECT_EQ(tick.status.mode, Mode::kOnFloor);
+  EXPECT_EQ(tick.command.mode, CommandMode::kHold);
+}
+
+TEST(PlannerCore, ALostNeighbourThatWasComingCountsWhereItMayBe) {
+  FakeFlight flight;
+  flight.vehicles[1].position_world_m.x() = 2.9;
+  flight.vehicles[1].velocity_world_mps = {-1.5, 0.0, 0.0};
+  flight.flyTo({0.0, 4.0, 1.0});
+  flight.vehicles[1].tracked = false;
+  EXPECT_EQ(flight.run(1.2).command.mode, CommandMode::kHold);
 }
 
 TEST(PlannerCore, SlowsDownBeforeTheEdgeOfTheRoom) {

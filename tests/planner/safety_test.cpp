@@ -194,6 +194,20 @@ TEST(RoomGuard, AtTheWallAPolicyThatStopsForSomebodyIsObeyed) {
   EXPECT_EQ(clipped, Eigen::Vector2d::Zero());
 }
 
+TEST(RoomGuard, AtTheWallAPolicyThatTurnsBackBrakesAtLeastAsMuchAsOneThatStops) {
+  const RoomGuard guard(config::Room(), config::Vehicle(), 0.5, 0.4);
+  for (const double along_mps : {1.0, -1.0, 0.2}) {
+    // Next to the wall at x = 10, with a little speed toward it.
+    const auto after = [&](double wanted_mps) {
+      return guard.clipVelocity({9.6, 0.0}, {0.02, along_mps}, {0.0, wanted_mps}).y();
+    };
+    EXPECT_LT(std::abs(after(0.0)), std::max(0.71 * std::abs(along_mps), 1e-9));
+    EXPECT_LE(after(-along_mps) * along_mps, after(0.0) * along_mps);
+    EXPECT_NEAR(after(2.0 * along_mps), along_mps + std::copysign(0.02, along_mps), 1e-9)
+        << "faster along the wall only as far as braking leaves room";
+  }
+}
+
 TEST(RoomGuard, LetsAVehicleOutsideComeBack) {
   const RoomGuard guard(config::Room(), config::Vehicle(), 0.5, 0.4);
   EXPECT_EQ(guard.clipVelocity({10.2, 0}, {0, 0}, {-0.5, 0.0}), Eigen::Vector2d(-0.5, 0.0));
@@ -243,6 +257,15 @@ TEST(OrderLatch, AFaultNeverLowersTheState) {
       EXPECT_EQ(latch.state(), std::max(from, fault));
     }
   }
+}
+
+TEST(OrderLatch, ALateOrderNeverLowersTheState) {
+  OrderLatch latch;
+  latch.order(core::SafetyOrderKind::kLand);
+  latch.raise(core::SafetyOrderKind::kHold);
+  EXPECT_EQ(latch.state(), Latch::kLand);
+  latch.raise(core::SafetyOrderKind::kKill);
+  EXPECT_EQ(latch.state(), Latch::kKill);
 }
 
 TEST(OrderLatch, ARemarkIsSaidOnceAndEndsWithTheLatch) {

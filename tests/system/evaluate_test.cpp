@@ -74,6 +74,19 @@ TEST_F(Evaluate, GoesOnAfterAnInterruption) {
   EXPECT_EQ(textOf("out/summary.json"), summary);
 }
 
+TEST_F(Evaluate, DoesNotGoOnWithOtherCasesUnderTheSameName) {
+  const std::string titles = "case,agent,start_x,start_y,goal_x,goal_y,radius,pref_speed\n";
+  const std::vector<std::string> arguments{"--policy", "orca", "--no-figures", "--cases",
+                                           write("cases.csv", titles + "0,0,0,0,2,0,0.3,1\n")};
+  EXPECT_TRUE(evaluate(arguments).status.clean());
+  write("cases.csv", titles + "0,0,0,0,3,0,0.3,1\n");
+  std::vector<std::string> again = arguments;
+  again.emplace_back("--resume");
+  const Ended ended = evaluate(again);
+  EXPECT_EQ(ended.status.code, 2);
+  EXPECT_THAT(ended.lines.back(), HasSubstr("run.json: --resume"));
+}
+
 TEST_F(Evaluate, RefusesWhatIsWrongInOneLine) {
   expectRefusal({"--policy", "orka", "--suite", "presets"}, "\"orca\"");
   expectRefusal({"--policy", "orca", "--suite", "preset"}, "--suite: name");
@@ -82,6 +95,7 @@ TEST_F(Evaluate, RefusesWhatIsWrongInOneLine) {
   expectRefusal({"--suite", "presets"}, "--policy");
   expectRefusal({"--policy", "ga3c_cadrl:/no/such.safetensors", "--suite", "presets"},
                 "/no/such.safetensors");
+  expectRefusal({"--policy", "orca", "--suite", "presets", "--draw", "7"}, "--draw");
   const std::string cases = write(
       "cases.csv", "case,agent,start_x,start_y,goal_x,goal_y,radius,pref_speed\n0,0,0,0,1,0,x,1\n");
   expectRefusal({"--policy", "orca", "--cases", cases}, "cases.csv:2: radius");

@@ -88,6 +88,14 @@ TEST(LabEpisode, BodiesThatMeetHeadOnCollide) {
   EXPECT_EQ(result.outcome, Outcome::kCollision);
 }
 
+TEST(LabEpisode, BodiesThatTouchAfterBothHaveArrivedCollideToo) {
+  // Two goals side by side, closer than the bodies; a third is under way all the time.
+  const TestCase each{{agent(-2.0, 0.0, 0.30), agent(2.0, 0.0, -0.30), agent(-4.0, 9.0, 9.0)}, {}};
+  const EpisodeResult result =
+      run(each, {"non_cooperative", "non_cooperative", "non_cooperative"}, "lab");
+  EXPECT_EQ(result.outcome, Outcome::kCollision);
+}
+
 TEST(LabEpisode, IsRepeatedExactly) {
   const TestCase each{{agent(-3.0, 3.0), {{0.0, -3.0}, {0.0, 3.0}, 0.5, 1.0}}, {}};
   const EpisodeResult first = run(each, {"orca", "orca"}, "lab");

@@ -55,6 +55,7 @@ class PublishedOutcomes : public ::testing::TestWithParam<int> {
   static std::vector<Published> published(const std::string& policy) {
     std::ifstream file(test::referenceFolder() / "outcomes" /
                        fmt::format("{}_{}_agents.csv", policy, GetParam()));
+    EXPECT_TRUE(file.is_open()) << policy;
     std::vector<Published> rows;
     std::string line;
     std::getline(file, line);
@@ -65,9 +66,10 @@ class PublishedOutcomes : public ::testing::TestWithParam<int> {
       std::getline(cells, cell, ',');
       std::getline(cells, row.outcome, ',');
       char comma = 0;
-      cells >> row.steps >> comma >> row.mean_extra_time_s;
+      EXPECT_TRUE(cells >> row.steps >> comma >> row.mean_extra_time_s || policy == "ORCA") << line;
       rows.push_back(row);
     }
+    EXPECT_EQ(rows.size(), policy == "SACADRL" && GetParam() == 6 ? 100u : 500u) << policy;
     return rows;
   }
 

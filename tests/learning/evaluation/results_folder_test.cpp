@@ -70,6 +70,17 @@ TEST_F(ResultsFolderTest, RefusesAFolderWithFilesAndAnotherRunsFolder) {
   EXPECT_THAT(errorOf(true, "other"), HasSubstr("run.json: --resume: expected the run"));
 }
 
+TEST_F(ResultsFolderTest, BeginsAnewWhereEvenTheTitlesWereCut) {
+  open(false);
+  for (const std::uintmax_t left : {0u, 10u}) {
+    std::filesystem::resize_file(folder() / "cases.csv", left);
+    open(true).append(evaluation_, 0, result(1.0));
+    EXPECT_EQ(open(true).finished().size(), 1u) << left;
+  }
+  std::filesystem::remove(folder() / "cases.csv");
+  EXPECT_EQ(open(true).finished().size(), 0u);
+}
+
 TEST_F(ResultsFolderTest, NamesTheRowThatIsNoneOfThisRun) {
   open(false).append(evaluation_, 0, result(1.0));
   append("orca,3,1,collision,1,1,1,x\n");
