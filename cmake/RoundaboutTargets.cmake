@@ -56,12 +56,13 @@ function(roundabout_test name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE
     ROUNDABOUT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" ROUNDABOUT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
-  set(labels ${ARG_LABEL})
+  # One label, since gtest_discover_tests loses all but the first of a list; ctest -L and -LE match a part of it.
+  set(label ${ARG_LABEL})
   if(ARG_LONG)
-    list(APPEND labels long)
+    string(APPEND label _long)
   endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT})
+    PROPERTIES LABELS ${label} TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 include(GoogleTest)
 
