@@ -38,7 +38,7 @@ TEST_F(ScanFlight, ByTheSimulatorsLidarArrivesAndRepeatsByteForByte) {
 TEST_F(ScanFlight, DoesNotBeginWithoutALidar) {
   const Ended flight = finish(startFlight(lanes(""), {"--no-report"}));
   EXPECT_FALSE(flight.status.clean());
-  EXPECT_THAT(flight.lines, Contains(HasSubstr("vehicles[0].lidar: expected one, since the policy "
+  EXPECT_THAT(flight.lines, Contains(HasSubstr("].lidar: expected one, since the policy "
                                                "drl_maca flies by it, found none")));
 }
 
