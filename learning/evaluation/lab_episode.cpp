@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "learning/evaluation/episode_record.h"
 #include "planner/planner_core.h"
 #include "sim/mocap_model.h"
 #include "sim/sensors/laser_scanners.h"
@@ -70,9 +71,9 @@ class LabEpisode {
         world_(experiment_, kStart),
         mocap_(experiment_, world_.stepUs()),
         scanners_(experiment_),
-        trace_(trace),
-        agents_(test_case.agents.size()) {
-    for (std::size_t i = 0; i < agents_.size(); ++i) {
+        record_(rules, test_case, trace),
+        goals_m_(test_case.agents.size()) {
+    for (std::size_t i = 0; i < record_.size(); ++i) {
       planners_.push_back(std::make_unique<planner::PlannerCore>(
           experiment_, experiment_.vehicles[i].name, policies[i]->twin()));
     }
@@ -82,77 +83,33 @@ class LabEpisode {
 
   void takeOff() {
     advance(2 * core::toUtime(rules_.planning_step_s));
-    for (std::size_t i = 0; i < agents_.size(); ++i) {
+    for (std::size_t i = 0; i < record_.size(); ++i) {
       send(i, core::GoalPhase::kTakeOff, positionOf(i));
     }
     advance(core::toUtime(kTakeOff_s));
-    queries_ = 0;
   }
 
   void fly(std::span<const Vector2d> goals_m) {
-    for (std::size_t i = 0; i < agents_.size(); ++i) {
-      Agent& agent = agents_[i];
-      agent = {};
-      agent.goal_m = goals_m[i];
-      agent.straight_time_s = ((positionOf(i) - goals_m[i]).norm() - rules_.goal_distance_m) /
-                              experiment_.vehicles[i].preferred_speed_mps;
+    record_.beginLeg(goals_m, position_of_);
+    flying_ = true;
+    goals_m_.assign(goals_m.begin(), goals_m.end());
+    for (std::size_t i = 0; i < record_.size(); ++i) {
+      record_[i].collided = touched_[i];
       send(i, core::GoalPhase::kGo, goals_m[i]);
     }
-    beginLeg();
-    record();
     const core::Utime began = world_.now();
-    while (!allDone()) {
+    while (!record_.allDone()) {
       advance(core::toUtime(rules_.planning_step_s));
       judge(core::toSeconds(world_.now() - began));
-      ++steps_;
-      record();
+      record_.endStep(position_of_);
     }
-    for (const Agent& agent : agents_) {
-      if (agent.at_goal) {
-        extra_time_s_ += agent.time_s - agent.straight_time_s;
-        ++arrivals_;
-      }
-    }
+    record_.endLeg();
   }
 
-  Outcome outcome() const {
-    const auto any = [&](bool Agent::*what) {
-      return std::any_of(agents_.begin(), agents_.end(),
-                         [what](const Agent& agent) { return agent.*what; });
-    };
-    return touched_                 ? Outcome::kCollision
-           : any(&Agent::timed_out) ? Outcome::kStuck
-                                    : Outcome::kAllAtGoal;
-  }
-
-  EpisodeResult result() const {
-    EpisodeResult result;
-    result.outcome = outcome();
-    result.steps = steps_;
-    result.mean_extra_time_s =
-        arrivals_ > 0 ? extra_time_s_ / arrivals_ : std::numeric_limits<double>::quiet_NaN();
-    result.closest_separation_m = closest_m_;
-    result.decisions = queries_;
-    return result;
-  }
+  const EpisodeRecord& record() const { return record_; }
 
  private:
-  struct Agent {
-    Vector2d goal_m{0.0, 0.0};
-    double straight_time_s = 0.0;
-    double time_s = 0.0;
-    bool at_goal = false;
-    bool collided = false;
-    bool timed_out = false;
-
-    bool done() const { return at_goal || collided || timed_out; }
-  };
-
   Vector2d positionOf(std::size_t i) const { return world_.bodies()[i].position_world_m.head<2>(); }
-
-  bool allDone() const {
-    return std::all_of(agents_.begin(), agents_.end(), [](const Agent& a) { return a.done(); });
-  }
 
   void send(std::size_t i, core::GoalPhase phase, const Vector2d& position_m) {
     core::Goal goal;
@@ -187,54 +144,41 @@ class LabEpisode {
     for (std::size_t i = 0; i < planners_.size(); ++i) {
       if (const auto tick = planners_[i]->onFrame(frame)) {
         world_.accept(i, tick->command);
-        queries_ += agents_[i].done() ? 0 : 1;
+        if (flying_ && !record_[i].done()) {
+          record_.noteDecision();
+        }
       }
     }
   }
 
   void noteSeparation() {
-    for (std::size_t i = 0; i < agents_.size(); ++i) {
-      for (std::size_t j = i + 1; j < agents_.size(); ++j) {
+    for (std::size_t i = 0; i < record_.size(); ++i) {
+      for (std::size_t j = i + 1; j < record_.size(); ++j) {
         const double distance_m = (positionOf(i) - positionOf(j)).norm();
         const config::Vehicle& a = experiment_.vehicles[i];
         const config::Vehicle& b = experiment_.vehicles[j];
-        closest_m_ = std::min(closest_m_, distance_m - a.assumed_radius_m - b.assumed_radius_m);
+        record_.noteGap(distance_m - a.assumed_radius_m - b.assumed_radius_m);
         if (distance_m <= a.body_radius_m + b.body_radius_m) {
-          touched_ = true;
-          agents_[i].collided = true;
-          agents_[j].collided = true;
+          for (const std::size_t agent : {i, j}) {
+            touched_[agent] = true;
+            record_[agent].collided = true;
+          }
         }
       }
     }
   }
 
   void judge(double time_s) {
-    for (std::size_t i = 0; i < agents_.size(); ++i) {
-      Agent& agent = agents_[i];
+    for (std::size_t i = 0; i < record_.size(); ++i) {
+      EpisodeRecord::Agent& agent = record_[i];
       if (agent.time_s > 0.0 && agent.done()) {
         continue;
       }
       agent.time_s = time_s;
       agent.at_goal =
-          !agent.collided && (positionOf(i) - agent.goal_m).norm() <= rules_.goal_distance_m;
+          !agent.collided && (positionOf(i) - goals_m_[i]).norm() <= rules_.goal_distance_m;
       agent.timed_out =
           !agent.at_goal && !agent.collided && time_s >= rules_.time_ratio * agent.straight_time_s;
-    }
-  }
-
-  void beginLeg() {
-    if (trace_ != nullptr) {
-      trace_->emplace_back();
-    }
-  }
-
-  void record() {
-    if (trace_ == nullptr) {
-      return;
-    }
-    std::vector<TracePoint>& points = trace_->back().emplace_back();
-    for (std::size_t i = 0; i < agents_.size(); ++i) {
-      points.push_back({positionOf(i), agents_[i].done(), agents_[i].collided});
     }
   }
 
@@ -243,18 +187,15 @@ class LabEpisode {
   sim::World world_;
   sim::MocapModel mocap_;
   sim::LaserScanners scanners_;
-  Trace* trace_;
-  std::vector<Agent> agents_;
+  EpisodeRecord record_;
+  std::vector<Vector2d> goals_m_;
+  std::vector<bool> touched_ = std::vector<bool>(goals_m_.size(), false);  // since the take-off
+  bool flying_ = false;
   std::vector<std::unique_ptr<planner::PlannerCore>> planners_;
   core::Utime next_frame_ = 0;
   core::Utime mocap_time_ = 0;
   std::int64_t last_goal_ = 0;
-  bool touched_ = false;  // any two, since they took off
-  int steps_ = 0;
-  int arrivals_ = 0;
-  long queries_ = 0;
-  double extra_time_s_ = 0.0;
-  double closest_m_ = std::numeric_limits<double>::infinity();
+  const EpisodeRecord::PositionOf position_of_ = [this](std::size_t i) { return positionOf(i); };
 };
 
 }  // namespace
@@ -264,18 +205,9 @@ EpisodeResult runLabEpisode(const Rules& rules, const TestCase& test_case,
                             Trace* trace) {
   LabEpisode episode(rules, test_case, policies, trace);
   episode.takeOff();
-  std::vector<Vector2d> goals_m;
-  for (const AgentSpec& agent : test_case.agents) {
-    goals_m.push_back(agent.goal_m);
-  }
-  episode.fly(goals_m);
-  for (const std::vector<Vector2d>& next_goals_m : test_case.later_goals_m) {
-    if (episode.outcome() != Outcome::kAllAtGoal) {
-      break;
-    }
-    episode.fly(next_goals_m);
-  }
-  return episode.result();
+  flyLegs(test_case, episode.record(),
+          [&](std::span<const Vector2d> goals_m) { episode.fly(goals_m); });
+  return episode.record().result();
 }
 
 }  // namespace roundabout::learning
