@@ -11,7 +11,7 @@ struct LaserScan {
   Utime utime = 0;               ///< of the sweep
   double first_angle_rad = 0.0;  ///< of ranges_m[0], from the vehicle's heading, counter-clockwise
   double angle_step_rad = 0.0;
-  std::vector<float> ranges_m;  ///< what hit nothing says the maximum range, or is not finite
+  std::vector<float> ranges_m;  ///< what hit nothing: the maximum range or more; NaN: not measured
 };
 
 }  // namespace roundabout::core

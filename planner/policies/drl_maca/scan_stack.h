@@ -17,8 +17,9 @@ inline constexpr double kDrlMacaMaxRangeM = 6.0;
 class ScanStack {
  public:
   /// Adds a scan; the first one fills the stack. For each of the network's beams the nearest
-  /// measured one counts; what is not a number, or says that it hit nothing, is 6 m away. Returns
-  /// false, and changes nothing, if the scan does not cover the field of view.
+  /// measured one counts; what says that it hit nothing, or is infinite, is 6 m away. A beam that
+  /// is NaN was not measured: the one before it stands. Returns false, and changes nothing, if the
+  /// scan does not cover the field of view or more than a tenth of it was not measured.
   bool push(const core::RangeScan& scan);
 
   void clear() { filled_ = false; }

@@ -149,8 +149,7 @@ TEST(DrlMacaScans, TheFirstFillsTheStackThenTheOldestLeaves) {
 
 TEST(DrlMacaScans, WhatHitsNothingIsSixMetresAway) {
   core::RandomStream random(3, "scans");
-  for (const float nothing : {6.0F, 40.0F, std::numeric_limits<float>::infinity(),
-                              std::numeric_limits<float>::quiet_NaN()}) {
+  for (const float nothing : {6.0F, 40.0F, std::numeric_limits<float>::infinity()}) {
     Sweep sweep(random);
     sweep.ranges.assign(kBeams, nothing);
     ScanStack stack;
@@ -164,6 +163,18 @@ TEST(DrlMacaScans, WhatHitsNothingIsSixMetresAway) {
   ScanStack stack;
   ASSERT_TRUE(stack.push(scan));
   EXPECT_THAT(stack.scans()[0], Each(0.5F));
+}
+
+TEST(DrlMacaScans, WhatWasNotMeasuredIsNoFreeSpace) {
+  core::RandomStream random(5, "scans");
+  Sweep sweep(random);
+  sweep.ranges.assign(kBeams, 1.5F);
+  std::fill_n(sweep.ranges.begin() + 7, 20, std::numeric_limits<float>::quiet_NaN());
+  ScanStack stack;
+  ASSERT_TRUE(stack.push(sweep.scan()));
+  EXPECT_THAT(stack.scans()[0], Each(1.5F / 6.0F - 0.5F));
+  std::fill_n(sweep.ranges.begin(), 60, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_FALSE(stack.push(sweep.scan())) << "a covered sensor";
 }
 
 TEST(DrlMacaScans, ComeFromAnyLidarThatCoversTheField) {
