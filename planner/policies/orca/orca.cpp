@@ -9,7 +9,7 @@
 
 #include "common/core/angles.h"
 #include "common/core/polygon.h"
-#include "planner/policies/orca/linear_program.h"
+#include "planner/linear_program/linear_program.h"
 #include "planner/policies/orca/obstacle.h"
 #include "planner/policies/orca/velocity_obstacle.h"
 

@@ -1,4 +1,4 @@
-#include "planner/policies/orca/linear_program.h"
+#include "planner/linear_program/linear_program.h"
 
 #include <algorithm>
 #include <cmath>

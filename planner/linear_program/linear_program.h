@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "planner/policies/orca/half_plane.h"
+#include "planner/linear_program/half_plane.h"
 
 namespace roundabout::planner {
 

@@ -1,0 +1,233 @@
+#include "planner/shield/brake_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/polygon.h"
+
+namespace roundabout::planner::shield {
+
+namespace {
+
+using Eigen::Vector2d;
+
+// Who has come too near shall move away, no faster than this share of its top speed.
+constexpr double kRetreatShare = 0.3;
+// A command that has carried the vehicle less than this changes nothing yet. s
+constexpr double kNoReach_s = 1e-6;
+constexpr int kBisections = 7;
+// Of the roll-out: rounding. m
+constexpr double kRounding_m = 1e-9;
+
+bool same(const MotionBounds& a, const MotionBounds& b) {
+  return a.delay_s == b.delay_s && a.lag_s == b.lag_s && a.inner_lag_s == b.inner_lag_s &&
+         a.max_acceleration_mps2 == b.max_acceleration_mps2 &&
+         a.max_turn_rate_radps == b.max_turn_rate_radps;
+}
+
+// How far a vehicle gets at most until it stands.
+double farthestReach(const Motion& motion, const MotionBounds& bounds, double max_speed_mps,
+                     double hold_s) {
+  const double speed = std::max(motion.velocity_world_mps.norm(), max_speed_mps);
+  const double braking_s =
+      bounds.lag_s + bounds.inner_lag_s +
+      (std::isfinite(bounds.max_acceleration_mps2) ? 0.5 * speed / bounds.max_acceleration_mps2
+                                                   : 0.0);
+  return speed * (bounds.delay_s + hold_s + braking_s + motion.age_s);
+}
+
+}  // namespace
+
+void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbours,
+                             const Statics& statics) {
+  ego_ = &ego;
+  lines_.clear();
+  half_planes_.clear();
+  smallest_gap_m_ = std::numeric_limits<double>::infinity();
+  predictOwn();
+  for (const Neighbour& neighbour : neighbours) {
+    if (mayMeet(neighbour)) {
+      addNeighbour(neighbour);
+    }
+  }
+  first_static_ = half_planes_.size();
+  for (const Wall& wall : statics.walls) {
+    addWall(wall);
+  }
+  for (const core::Polygon& obstacle : statics.obstacles) {
+    addObstacle(obstacle);
+  }
+}
+
+void BrakeConstraints::predictOwn() {
+  if (!per_speed_known_ || !same(ego_->bounds, reach_bounds_)) {
+    reach_bounds_ = ego_->bounds;
+    per_speed_s_ = reachOf(reach_bounds_, parameters_.hold_s);
+    per_speed_known_ = true;
+  }
+  reach_m_ = farthestReach(ego_->motion, ego_->bounds, ego_->max_speed_mps, parameters_.hold_s);
+  const SentCommand brake{Vector2d::Zero(), 0.0, parameters_.hold_s};
+  predict(ego_->motion, ego_->bounds, Arrival::kAll, &brake, braking_);
+  own_.assign(braking_.points().begin(), braking_.points().end());
+  for (const Arrival arrival : {Arrival::kAll, Arrival::kLastIsLost}) {
+    if (!ego_->motion.commands.empty()) {
+      predict(ego_->motion, ego_->bounds, arrival, nullptr, path_);
+      own_.insert(own_.end(), path_.points().begin(), path_.points().end());
+    }
+  }
+}
+
+bool BrakeConstraints::mayMeet(const Neighbour& neighbour) const {
+  const Motion& own = ego_->motion;
+  const Motion& other = neighbour.motion;
+  if (other.lowest_m - own.highest_m > parameters_.height_separation_m ||
+      own.lowest_m - other.highest_m > parameters_.height_separation_m) {
+    return false;
+  }
+  const double reach_m =
+      reach_m_ + farthestReach(other, neighbour.bounds, neighbour.max_speed_mps,
+                               std::max(parameters_.hold_s, parameters_.unshielded_prediction_s));
+  const double apart_m = ego_->radius_m + neighbour.radius_m + parameters_.margin_m +
+                         parameters_.unshielded_margin_m + reach_m;
+  return (other.position_world_m - own.position_world_m).squaredNorm() <= apart_m * apart_m;
+}
+
+void BrakeConstraints::addNeighbour(const Neighbour& neighbour) {
+  others_.clear();
+  double apart_m = ego_->radius_m + neighbour.radius_m + parameters_.margin_m;
+  const bool trusted = neighbour.shielded;
+  for (const Arrival arrival : {Arrival::kAll, Arrival::kLastIsLost}) {
+    predict(neighbour.motion, neighbour.bounds, arrival, nullptr, path_);
+    others_.insert(others_.end(), path_.points().begin(), path_.points().end());
+    if (neighbour.motion.commands.empty()) {
+      break;
+    }
+  }
+  if (!trusted) {
+    const Motion& motion = neighbour.motion;
+    const double ahead_s = motion.age_s + parameters_.unshielded_prediction_s;
+    others_.push_back(motion.position_world_m + ahead_s * motion.velocity_world_mps +
+                      0.5 * ahead_s * ahead_s * motion.acceleration_world_mps2);
+    apart_m += parameters_.unshielded_margin_m;
+  }
+  const double before_m = smallest_gap_m_;
+  addBeside(others_, apart_m, trusted && !neighbour.parked ? 0.5 : 1.0);
+  smallest_gap_m_ = std::min(before_m, smallest_gap_m_);
+}
+
+void BrakeConstraints::addBeside(Points points, double apart_m, double share) {
+  const ConvexGap gap = gapBetween(own_, points);
+  smallest_gap_m_ = std::min(smallest_gap_m_, gap.distance_m - apart_m + parameters_.margin_m);
+  add(gap.normal, gap.distance_m - apart_m, share);
+}
+
+void BrakeConstraints::addWall(const Wall& wall) {
+  const double usable_m =
+      wall.offset_m - ego_->radius_m - parameters_.margin_m - extentAlong(own_, wall.normal);
+  if (usable_m <= reach_m_) {
+    add(wall.normal, usable_m, 1.0);
+  }
+}
+
+void BrakeConstraints::addObstacle(const core::Polygon& obstacle) {
+  const double apart_m = ego_->radius_m + parameters_.margin_m;
+  const bool convex = core::isConvex(obstacle);
+  const std::size_t parts = convex ? 1 : obstacle.size();
+  for (std::size_t i = 0; i < parts; ++i) {
+    const std::array<Vector2d, 2> side{obstacle[i], obstacle[(i + 1) % obstacle.size()]};
+    const Points points = convex ? Points(obstacle) : Points(side);
+    const ConvexGap gap = gapBetween(own_, points);
+    if (gap.distance_m - apart_m <= reach_m_) {
+      add(gap.normal, gap.distance_m - apart_m, 1.0);
+    }
+  }
+}
+
+// The own path may come nearer by a share of the usable gap. A command u that is held adds
+// per_speed(t) u to it: linear in u.
+void BrakeConstraints::add(const Vector2d& normal, double usable_m, double share) {
+  const double limit_m = extentAlong(own_, normal) + share * usable_m;
+  const Points braking = braking_.points();
+  double fastest_mps = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < per_speed_s_.size(); ++i) {
+    if (per_speed_s_[i] > kNoReach_s) {
+      const double left_m = limit_m - normal.dot(braking[std::min(i, braking.size() - 1)]);
+      fastest_mps = std::min(fastest_mps, left_m / per_speed_s_[i]);
+    }
+    if (i + 1 >= braking.size() && i + 1 < per_speed_s_.size() &&
+        per_speed_s_[i] == per_speed_s_[i + 1]) {
+      break;
+    }
+  }
+  fastest_mps = std::max(fastest_mps, -kRetreatShare * ego_->max_speed_mps);
+  lines_.push_back({normal, limit_m});
+  half_planes_.push_back({-normal, -fastest_mps});
+}
+
+bool BrakeConstraints::rollsOut(const Vector2d& velocity_mps) const {
+  if (ego_->bounds.lag_s == 0.0 && !ego_->bounds.turns()) {
+    return true;  // the linear rule is exact
+  }
+  const SentCommand command{velocity_mps, 0.0, parameters_.hold_s};
+  predict(ego_->motion, ego_->bounds, Arrival::kAll, &command, path_);
+  return std::all_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+    // What braking breaks already, a command must not make worse.
+    const double limit_m =
+        std::max(line.limit_m, extentAlong(braking_.points(), line.normal)) + kRounding_m;
+    return extentAlong(path_.points(), line.normal) <= limit_m;
+  });
+}
+
+bool BrakeConstraints::keeps(const Vector2d& velocity_mps) const {
+  return std::all_of(half_planes_.begin(), half_planes_.end(),
+                     [&](const HalfPlane& each) { return each.margin(velocity_mps) >= -1e-9; }) &&
+         rollsOut(velocity_mps);
+}
+
+bool BrakeConstraints::worstIsStatic(const Vector2d& velocity_mps) const {
+  double worst = 0.0;
+  std::size_t which = 0;
+  for (std::size_t i = 0; i < half_planes_.size(); ++i) {
+    const double margin = half_planes_[i].margin(velocity_mps);
+    if (margin < worst) {
+      worst = margin;
+      which = i;
+    }
+  }
+  return worst < 0.0 && which >= first_static_;
+}
+
+// The same direction, as fast as may be.
+Vector2d BrakeConstraints::slowed(const Vector2d& wanted_mps) const {
+  double share = 1.0;
+  for (const HalfPlane& each : half_planes_) {
+    const double along = each.normal.dot(wanted_mps);
+    if (each.margin(wanted_mps) < 0.0 && along < 0.0) {
+      share = std::min(share, std::max(0.0, each.offset_mps / along));
+    }
+  }
+  return share * wanted_mps;
+}
+
+Vector2d BrakeConstraints::nearest(const Vector2d& wanted_mps) {
+  if (keeps(wanted_mps)) {
+    return wanted_mps;
+  }
+  Vector2d chosen = slowed(wanted_mps);
+  if (!parameters_.keeps_heading || !keeps(chosen)) {
+    program_.reserve(half_planes_.size());
+    chosen = program_.solve(half_planes_, wanted_mps, ego_->max_speed_mps).velocity_mps;
+  }
+  if (rollsOut(chosen)) {
+    return chosen;
+  }
+  double good = 0.0;
+  double bad = 1.0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (good + bad);
+    (rollsOut(middle * chosen) ? good : bad) = middle;
+  }
+  return good * chosen;
+}
+
+}  // namespace roundabout::planner::shield

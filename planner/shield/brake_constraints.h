@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "planner/linear_program/half_plane.h"
+#include "planner/linear_program/linear_program.h"
+#include "planner/shield/convex_gap.h"
+#include "planner/shield/shield.h"
+
+namespace roundabout::planner::shield {
+
+/// The hard layer: what a command must keep so that the brake path of the ego meets nobody else's,
+/// no wall and no obstacle. docs/shield.md, "The invariant".
+class BrakeConstraints {
+ public:
+  explicit BrakeConstraints(const ShieldParameters& parameters) : parameters_(parameters) {}
+
+  /// For what is known now. Both must outlive the next calls.
+  void build(const Ego& ego, std::span<const Neighbour> neighbours, const Statics& statics);
+
+  /// Whether a command keeps them all, by the linear rule and by a roll-out with the bounds of the
+  /// vehicle.
+  bool keeps(const Eigen::Vector2d& velocity_mps) const;
+
+  /// A command that keeps them all and is near the wanted one; braking, if nothing else does.
+  Eigen::Vector2d nearest(const Eigen::Vector2d& wanted_mps);
+
+  /// Of those that `velocity_mps` breaks, the worst is of a wall or an obstacle.
+  bool worstIsStatic(const Eigen::Vector2d& velocity_mps) const;
+
+  double smallestGapM() const { return smallest_gap_m_; }
+  std::span<const HalfPlane> halfPlanes() const { return half_planes_; }
+
+ private:
+  /// The line that the ego's path must not cross: normal . p <= limit.
+  struct Line {
+    Eigen::Vector2d normal;
+    double limit_m;
+  };
+
+  void predictOwn();
+  void addNeighbour(const Neighbour& neighbour);
+  void addObstacle(const core::Polygon& obstacle);
+  void addWall(const Wall& wall);
+  void addBeside(Points points, double apart_m, double share);
+  void add(const Eigen::Vector2d& normal, double usable_m, double share);
+  bool mayMeet(const Neighbour& neighbour) const;
+  bool rollsOut(const Eigen::Vector2d& velocity_mps) const;
+  Eigen::Vector2d slowed(const Eigen::Vector2d& wanted_mps) const;
+
+  const ShieldParameters& parameters_;
+  const Ego* ego_ = nullptr;
+  Path braking_;                         // from now on
+  std::vector<Eigen::Vector2d> own_;     // all places of all own paths
+  std::vector<Eigen::Vector2d> others_;  // the same of a neighbour
+  mutable Path path_;                    // for one call
+  double reach_m_ = 0.0;                 // of the ego's centre until it stands
+  MotionBounds reach_bounds_;            // what per_speed_s_ was computed for
+  std::array<double, Path::kMost> per_speed_s_{};
+  bool per_speed_known_ = false;
+  std::vector<Line> lines_;
+  std::vector<HalfPlane> half_planes_;
+  std::size_t first_static_ = 0;
+  double smallest_gap_m_ = std::numeric_limits<double>::infinity();
+  LinearProgram program_;
+};
+
+}  // namespace roundabout::planner::shield

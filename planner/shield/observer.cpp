@@ -1,0 +1,97 @@
+#include "planner/shield/observer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roundabout::planner::shield {
+
+namespace {
+
+using Eigen::Vector2d;
+
+// Commands older than this have no effect any more.
+constexpr double kForgotten_s = 1.5;
+constexpr std::size_t kMostCommands = 32;
+// Of velocity differences, without known commands.
+constexpr double kFilter_s = 0.15;
+
+}  // namespace
+
+Observer::Observer(const MotionBounds& bounds, bool knows_commands)
+    : bounds_(bounds), knows_commands_(knows_commands) {
+  issued_.reserve(kMostCommands);
+  sent_.reserve(kMostCommands);
+}
+
+void Observer::reset() {
+  seen_ = false;
+  issued_.clear();
+  motion_ = Motion();
+}
+
+void Observer::onState(double measured_s, const Vector2d& position_m, const Vector2d& velocity_mps,
+                       double heading_rad) {
+  if (seen_ && measured_s > measured_s_) {
+    estimateAcceleration(measured_s - measured_s_, measured_s, velocity_mps);
+  }
+  seen_ = true;
+  measured_s_ = measured_s;
+  motion_.position_world_m = position_m;
+  motion_.velocity_world_mps = velocity_mps;
+  motion_.heading_world_rad = heading_rad;
+}
+
+// The acceleration follows from what the vehicle wants of it: the error of its velocity, which is
+// measured.
+void Observer::estimateAcceleration(double step_s, double measured_s,
+                                    const Vector2d& velocity_mps) {
+  Vector2d& acceleration = motion_.acceleration_world_mps2;
+  if (!knows_commands_) {
+    const Vector2d measured = (velocity_mps - motion_.velocity_world_mps) / step_s;
+    acceleration += (1.0 - std::exp(-step_s / kFilter_s)) * (measured - acceleration);
+    return;
+  }
+  if (bounds_.inner_lag_s <= 0.0 || bounds_.lag_s <= 0.0) {
+    return;
+  }
+  Vector2d wanted = (commandAt(measured_s - 0.5 * step_s) - velocity_mps) / bounds_.lag_s;
+  const double length = wanted.norm();
+  wanted *= std::min(1.0, bounds_.max_acceleration_mps2 / std::max(length, 1e-9));
+  acceleration += (1.0 - std::exp(-step_s / bounds_.inner_lag_s)) * (wanted - acceleration);
+}
+
+Vector2d Observer::commandAt(double time_s) const {
+  for (std::size_t i = issued_.size(); i-- > 0;) {
+    const double since_s = time_s - issued_[i].at_s;
+    if (since_s >= bounds_.delay_s) {
+      return since_s < bounds_.delay_s + issued_[i].valid_for_s ? issued_[i].velocity_mps
+                                                                : Vector2d(Vector2d::Zero());
+    }
+  }
+  return Vector2d::Zero();
+}
+
+void Observer::onCommand(double issued_s, const Vector2d& velocity_mps, double valid_for_s) {
+  if (!issued_.empty() && issued_s <= issued_.back().at_s) {
+    return;
+  }
+  std::erase_if(issued_, [&](const Issued& each) { return issued_s - each.at_s > kForgotten_s; });
+  if (issued_.size() == kMostCommands) {
+    issued_.erase(issued_.begin());
+  }
+  issued_.push_back({issued_s, velocity_mps, valid_for_s});
+}
+
+const Motion& Observer::motion(double now_s) {
+  motion_.age_s = std::max(0.0, now_s - measured_s_);
+  sent_.clear();
+  for (const Issued& each : issued_) {
+    if (now_s - each.at_s <= kForgotten_s) {
+      sent_.push_back({each.velocity_mps, now_s - each.at_s, each.valid_for_s});
+    }
+  }
+  motion_.commands = sent_;
+  return motion_;
+}
+
+}  // namespace roundabout::planner::shield

@@ -1,0 +1,22 @@
+#include "planner/shield/parameters.h"
+
+namespace roundabout::planner::shield {
+
+ShieldParameters ShieldParameters::idealRules() {
+  ShieldParameters parameters;
+  parameters.hold_s = parameters.period_s;
+  parameters.margin_m = 0.005;
+  parameters.keeps_heading = true;
+  parameters.look_ahead_s = 0.0;
+  return parameters;
+}
+
+ShieldParameters ShieldParameters::lab() {
+  ShieldParameters parameters;
+  parameters.breaker_horizon_s = 3.0;
+  parameters.block_horizon_s = 1.5;
+  parameters.steps_aside = true;
+  return parameters;
+}
+
+}  // namespace roundabout::planner::shield

@@ -1,0 +1,37 @@
+#pragma once
+
+namespace roundabout::planner::shield {
+
+/// Everything the shield can be told. The bounds of vehicles are with the vehicles (MotionBounds).
+struct ShieldParameters {
+  double period_s = 0.1;   ///< between decisions
+  double hold_s = 0.2;     ///< commands are valid for this long; at least one period
+  double margin_m = 0.03;  ///< between bodies: errors of measurement and of prediction
+  /// A command is slowed down rather than turned. For ideal agents whose policies count on their
+  /// headings.
+  bool keeps_heading = false;
+  double height_separation_m = 0.6;  ///< vehicles farther apart vertically pass each other
+
+  // The whole gap, and more, for vehicles that are not shielded or not tracked.
+  double unshielded_margin_m = 0.1;
+  double unshielded_prediction_s = 0.45;
+  double unshielded_horizon_s = 2.5;
+
+  double look_ahead_s = 1.0;  ///< 0: none
+  double look_ahead_gap_m = 0.05;
+
+  bool breaker = true;
+  double progress_time_constant_s = 2.0;  ///< 1 for policies without a memory
+  double stalled_share = 0.2;             ///< of the preferred speed; slower: stalled
+  double breaker_horizon_s = 2.0;
+  double block_horizon_s = 1.0;  ///< nearer in time than this, somebody blocks
+  bool steps_aside = false;
+
+  /// Agents that do at once what they decide, on true states, all at the same time: the published
+  /// rules. A command is flown for one step.
+  static ShieldParameters idealRules();
+  /// Vehicles with lag and delay, noise and losses, unsynchronised.
+  static ShieldParameters lab();
+};
+
+}  // namespace roundabout::planner::shield

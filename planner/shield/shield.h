@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/core/agent.h"
+#include "planner/shield/motion.h"
+#include "planner/shield/parameters.h"
+
+namespace roundabout::planner::shield {
+
+/// The vehicle that is shielded.
+struct Ego {
+  Motion motion;
+  MotionBounds bounds;
+  double radius_m = 0.5;  ///< of what must not be touched
+  Eigen::Vector2d goal_world_m = Eigen::Vector2d::Zero();
+  double preferred_speed_mps = 1.0;
+  double max_speed_mps = 1.0;  ///< of what is commanded
+  int id = 0;                  ///< differs from that of every neighbour
+};
+
+/// Another vehicle. `motion.age_s` grows while it is not tracked.
+struct Neighbour {
+  Motion motion;
+  MotionBounds bounds;
+  double radius_m = 0.5;
+  double max_speed_mps = 1.0;
+  int id = 0;                 ///< the same in every call
+  bool shielded = true;       ///< gives half of the gap; its commands are known
+  bool parked = false;        ///< stands, and will go on standing: at its goal, held, on the floor
+  bool gives_way = false;     ///< parked, but steps aside if asked to
+  bool asks_for_way = false;  ///< of those that are parked in its way
+  /// Where it wants to go next; not finite: not known.
+  Eigen::Vector2d goal_world_m =
+      Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+};
+
+/// The positions p with normal . p <= offset: a wall of the room, seen from inside.
+struct Wall {
+  Eigen::Vector2d normal;  ///< unit, out of the room
+  double offset_m = 0.0;
+};
+
+/// What does not move. World frame.
+struct Statics {
+  std::span<const Wall> walls{};
+  std::span<const core::Polygon> obstacles{};  ///< and no-fly zones; from the floor up
+};
+
+/// Who decided what is flown. The first of them that wanted something else than the policy.
+enum class Layer : std::int8_t {
+  kNone = 0,       ///< what was wanted is flown
+  kHard = 1,       ///< the brake path would have met another vehicle's
+  kStatic = 2,     ///< or a wall, an obstacle, a no-fly zone
+  kLookAhead = 3,  ///< what was wanted would soon have had to be undone
+  kBreaker = 4,    ///< nobody got on
+  kStepAside = 5   ///< parked in the way of somebody who asked
+};
+
+/// "none", "hard", "static", "look_ahead", "breaker", "step_aside"
+const char* nameOf(Layer layer);
+
+struct ShieldDecision {
+  Eigen::Vector2d velocity_world_mps = Eigen::Vector2d::Zero();  ///< to be flown for hold_s
+  Eigen::Vector2d wanted_world_mps = Eigen::Vector2d::Zero();
+  Layer layer = Layer::kNone;
+  /// Between the edges of the brake paths of the ego and of whoever comes nearest; infinite: nobody
+  /// is near. m.
+  double predicted_gap_m = std::numeric_limits<double>::infinity();
+  bool asks_for_way = false;  ///< of the vehicles that are parked in the way; tell them
+};
+
+/// Guards one vehicle's velocity commands; docs/shield.md has the rules, the theorem and what it
+/// assumes. Remembers only who is getting on (for the breaker). Deterministic; the order of
+/// neighbours changes nothing. Allocates nothing once it has seen as many neighbours and
+/// statics.
+class Shield {
+ public:
+  explicit Shield(const ShieldParameters& parameters);
+  ~Shield();
+  Shield(Shield&&) noexcept;
+  Shield& operator=(Shield&&) noexcept;
+
+  /// The velocity to fly instead of `wanted_world_mps`: that one if nothing is against it, bit for
+  /// bit. The command must be issued now and expire after parameters().hold_s. All inputs are
+  /// finite, save for unknown goals. now_s: any clock that does not go back.
+  ShieldDecision decide(const Ego& ego, std::span<const Neighbour> neighbours,
+                        const Statics& statics, const Eigen::Vector2d& wanted_world_mps,
+                        double now_s);
+
+  /// A new flight, or a new goal, begins.
+  void reset();
+
+  const ShieldParameters& parameters() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace roundabout::planner::shield
