@@ -4,7 +4,7 @@
 
 namespace roundabout::logs {
 
-/// Adds `log` with its commands info, metrics and plot. They run while the app parses; a
+/// Adds `log` with its commands. They run while the app parses; a
 /// core::StartupError leaves app.parse().
 void addLogCommands(CLI::App& app);
 

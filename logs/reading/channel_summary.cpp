@@ -1,17 +1,14 @@
 #include "logs/reading/channel_summary.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include "common/bus/plausible.h"
-#include "roundabout_msgs/command_t.hpp"
-#include "roundabout_msgs/goal_t.hpp"
-#include "roundabout_msgs/safety_order_t.hpp"
 
 namespace roundabout::logs {
 
@@ -21,27 +18,13 @@ constexpr double kGapMedians = 3.0;
 constexpr std::size_t kMostDamageLines = 20;
 
 /// The name of the type that a payload starts as.
-std::string typeOf(std::span<const std::byte> payload) {
+std::string typeOf(std::span<const std::byte> payload, const TypeTable& types) {
   if (payload.size() < sizeof(std::uint64_t)) {
     return "too short";
   }
-  using namespace roundabout_msgs;  // NOLINT: the table below is all that uses it
-  const std::array<std::pair<std::int64_t, const char*>, 7> kTypes{{
-      {vehicle_states_t::getHash(), vehicle_states_t::getTypeName()},
-      {goal_t::getHash(), goal_t::getTypeName()},
-      {command_t::getHash(), command_t::getTypeName()},
-      {planner_status_t::getHash(), planner_status_t::getTypeName()},
-      {fleet_status_t::getHash(), fleet_status_t::getTypeName()},
-      {mission_t::getHash(), mission_t::getTypeName()},
-      {safety_order_t::getHash(), safety_order_t::getTypeName()},
-  }};
   const std::uint64_t fingerprint = bus::fingerprintOf(payload);
-  for (const auto& [hash, name] : kTypes) {
-    if (fingerprint == static_cast<std::uint64_t>(hash)) {
-      return name;
-    }
-  }
-  return fmt::format("{:016x}", fingerprint);
+  const MessageType* type = types.find(fingerprint);
+  return type == nullptr ? fmt::format("{:016x}", fingerprint) : type->name;
 }
 
 struct Collected {
@@ -81,7 +64,7 @@ ChannelSummary summaryOf(const std::string& channel, const Collected& collected,
 
 }  // namespace
 
-std::vector<ChannelSummary> summarizeChannels(const EventLog& log) {
+std::vector<ChannelSummary> summarizeChannels(const EventLog& log, const TypeTable& types) {
   std::map<std::string, Collected, std::less<>> channels;
   for (const Event& event : log) {
     auto found = channels.find(event.channel);
@@ -92,7 +75,7 @@ std::vector<ChannelSummary> summarizeChannels(const EventLog& log) {
     const std::uint64_t fingerprint =
         event.payload.size() < sizeof(std::uint64_t) ? 0 : bus::fingerprintOf(event.payload);
     if (collected.log_utimes.empty()) {
-      collected.type = typeOf(event.payload);
+      collected.type = typeOf(event.payload, types);
     } else if (fingerprint != collected.fingerprint) {
       collected.type = "mixed";
     }
@@ -107,17 +90,20 @@ std::vector<ChannelSummary> summarizeChannels(const EventLog& log) {
   return summaries;
 }
 
-std::string describe(const EventLog& log) {
+std::string describe(const EventLog& log, const TypeTable& types) {
   const Event first = log[0];
   const Event last = log[log.size() - 1];
   std::string text =
       fmt::format("{}: {} events, {:.1f} MB, {:.3f} s of wall clock from utime {}\n\n", log.path(),
                   log.size(), static_cast<double>(log.fileBytes()) / 1e6,
                   core::toSeconds(last.log_utime - first.log_utime), first.log_utime);
+  if (log.files().size() > 1) {
+    text += fmt::format("in {} parts: {}\n\n", log.files().size(), fmt::join(log.files(), ", "));
+  }
   text += fmt::format("{:<26} {:<18} {:>8} {:>9} {:>8} {:>10} {:>10} {:>6} {:>10}  {}\n", "channel",
                       "type", "count", "Hz", "bytes", "median ms", "p99 jit ms", "gaps",
                       "longest s", "from..to s");
-  for (const ChannelSummary& channel : summarizeChannels(log)) {
+  for (const ChannelSummary& channel : summarizeChannels(log, types)) {
     const std::string jitter =
         channel.jitter_s.count == 0 ? "-" : fmt::format("{:.3f}", channel.jitter_s.p99 * 1e3);
     text += fmt::format(
@@ -132,8 +118,8 @@ std::string describe(const EventLog& log) {
                                        damage.places.size(), damage.skippedBytes());
   for (std::size_t i = 0; i < std::min(damage.places.size(), kMostDamageLines); ++i) {
     const Damage& place = damage.places[i];
-    text += fmt::format("  at byte {}: {} bytes skipped, {}\n", place.offset, place.bytes,
-                        place.reason);
+    text += fmt::format("  {}{}at byte {}: {} bytes skipped, {}\n", place.file,
+                        place.file.empty() ? "" : " ", place.offset, place.bytes, place.reason);
   }
   if (damage.places.size() > kMostDamageLines) {
     text += fmt::format("  and {} more\n", damage.places.size() - kMostDamageLines);

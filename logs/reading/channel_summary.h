@@ -6,13 +6,14 @@
 
 #include "logs/metrics/statistics.h"
 #include "logs/reading/event_log.h"
+#include "logs/types/type_table.h"
 
 namespace roundabout::logs {
 
 /// One channel of a log. Intervals are of log times.
 struct ChannelSummary {
   std::string channel;
-  std::string type;  ///< by fingerprint; "mixed" for several, the number for a type not ours
+  std::string type;  ///< by fingerprint; "mixed" for several, the fingerprint of an unknown one
   int messages = 0;
   double mean_bytes = 0.0;
   double first_at_s = 0.0;  ///< after the first event of the log
@@ -25,9 +26,9 @@ struct ChannelSummary {
 };
 
 /// Every channel, by name.
-std::vector<ChannelSummary> summarizeChannels(const EventLog& log);
+std::vector<ChannelSummary> summarizeChannels(const EventLog& log, const TypeTable& types);
 
 /// What `roundabout log info` prints: size, span, channels, damage.
-std::string describe(const EventLog& log);
+std::string describe(const EventLog& log, const TypeTable& types);
 
 }  // namespace roundabout::logs

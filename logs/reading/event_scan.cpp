@@ -13,8 +13,13 @@ namespace roundabout::logs {
 namespace {
 
 constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNumberAt = 4;
+constexpr std::size_t kLogUtimeAt = 12;
 constexpr std::size_t kChannelLengthAt = 20;
 constexpr std::size_t kDataLengthAt = 24;
+constexpr std::size_t kSmallestEventBytes = kHeaderBytes + 1;
+// Times the size of the log.
+constexpr std::size_t kSearchBudget = 16;
 
 std::string_view textOf(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -22,7 +27,8 @@ std::string_view textOf(std::span<const std::byte> bytes) {
 
 class Scanner {
  public:
-  explicit Scanner(std::span<const std::byte> log) : log_(log) {}
+  explicit Scanner(std::span<const std::byte> log)
+      : log_(log), budget_(kSearchBudget * log.size()) {}
 
   EventScan scan() {
     EventScan result;
@@ -31,11 +37,14 @@ class Scanner {
       std::string problem;
       if (const std::size_t end = eventEnd(position, problem); end != kNowhere) {
         result.offsets.push_back(position);
+        result.log_utimes.push_back(
+            static_cast<core::Utime>(bus::bigEndian(log_, position + kLogUtimeAt, 8)));
+        last_number_ = numberAt(position);
         position = end;
         continue;
       }
       const std::size_t next = nextEvent(position + 1);
-      result.damage.places.push_back({position, next - position, problem});
+      result.damage.places.push_back({"", position, next - position, problem});
       position = next;
     }
     return result;
@@ -105,16 +114,57 @@ class Scanner {
     return chained_;
   }
 
+  std::uint64_t numberAt(std::size_t position) const {
+    return bus::bigEndian(log_, position + kNumberAt, 8);
+  }
+
+  bool numberedInOrder(std::size_t position, std::size_t next) const {
+    return next + kHeaderBytes <= log_.size() && numberAt(next) == numberAt(position) + 1;
+  }
+
+  /// Whether what looks like an event within the extent of another one is an event of this log, by
+  /// its number, and not one that a payload carries.
+  bool belongs(std::size_t hidden, std::size_t position, std::size_t end) const {
+    const std::uint64_t most = 1 + (end - position) / kSmallestEventBytes;
+    const std::uint64_t number = numberAt(hidden);
+    const auto follows = [&](std::uint64_t before) {
+      return number > before && number - before <= most;
+    };
+    return follows(numberAt(position)) || follows(last_number_);
+  }
+
   std::size_t eventEnd(std::size_t position, std::string& problem) {
     const std::size_t end = claimedEnd(position, problem);
-    if (end == kNowhere || startsAfresh(end)) {
+    if (end == kNowhere || (startsAfresh(end) && numberedInOrder(position, end))) {
       return end;
     }
-    if (nextChained(position + 4) < end) {
+    if (hidesAnEvent(position, end)) {
       problem = "lengths that swallow the next event";
       return kNowhere;
     }
     return end;
+  }
+
+  bool hidesAnEvent(std::size_t position, std::size_t end) {
+    if (nextChained(position + 4) >= end || end - position > budget_) {
+      return false;
+    }
+    budget_ -= end - position;
+    std::string ignored;
+    std::size_t hidden = nextChained(position + 4);
+    while (hidden < end) {
+      const std::size_t hidden_end = claimedEnd(hidden, ignored);
+      if (hidden_end == kNowhere || !startsAfresh(hidden_end)) {
+        hidden = findSync(hidden + 1);
+        continue;
+      }
+      const bool crosses = hidden_end > end && !startsAfresh(end);
+      if (crosses || belongs(hidden, position, end)) {
+        return true;
+      }
+      hidden = findSync(hidden_end);
+    }
+    return false;
   }
 
   std::size_t nextEvent(std::size_t from) {
@@ -129,6 +179,8 @@ class Scanner {
   std::span<const std::byte> log_;
   std::size_t chained_ = 0;
   bool chained_known_ = false;
+  std::uint64_t last_number_ = 0;  // of the event found last
+  std::size_t budget_;             // bytes to search for hidden events, so that all stays linear
 };
 
 }  // namespace
@@ -143,8 +195,8 @@ EventScan scanEvents(std::span<const std::byte> log) { return Scanner(log).scan(
 Event eventAt(std::span<const std::byte> log, std::size_t offset) {
   const std::size_t channel_bytes = bus::bigEndian(log, offset + kChannelLengthAt, 4);
   const std::size_t data_bytes = bus::bigEndian(log, offset + kDataLengthAt, 4);
-  return {static_cast<std::int64_t>(bus::bigEndian(log, offset + 4, 8)),
-          static_cast<core::Utime>(bus::bigEndian(log, offset + 12, 8)),
+  return {static_cast<std::int64_t>(bus::bigEndian(log, offset + kNumberAt, 8)),
+          static_cast<core::Utime>(bus::bigEndian(log, offset + kLogUtimeAt, 8)),
           textOf(log.subspan(offset + kHeaderBytes, channel_bytes)),
           log.subspan(offset + kHeaderBytes + channel_bytes, data_bytes)};
 }

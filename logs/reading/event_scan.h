@@ -28,6 +28,7 @@ struct Event {
 
 /// Bytes that are no event.
 struct Damage {
+  std::string file;        ///< of a log of several files; else empty
   std::size_t offset = 0;  ///< from the start of the file
   std::size_t bytes = 0;
   std::string reason;
@@ -44,13 +45,14 @@ struct DamageReport {
 /// Where the events of a log start.
 struct EventScan {
   std::vector<std::size_t> offsets;
+  std::vector<core::Utime> log_utimes;  ///< one an event
   DamageReport damage;
 };
 
 /// Finds every event of a log, however damaged: after bytes that are no event it goes on at the
-/// next sync word that starts one. An event whose end meets no sync word is believed unless its
-/// extent hides an undamaged event: then its lengths are what is damaged. Never throws on content;
-/// linear in the size.
+/// next sync word that starts one. An event is believed unless its extent hides an undamaged event:
+/// then its lengths are what is damaged. docs/formats/event_log.md has the rules. Never throws on
+/// content; linear in the size.
 EventScan scanEvents(std::span<const std::byte> log);
 
 /// Precondition: the offset is one that scanEvents() found.

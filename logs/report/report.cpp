@@ -9,6 +9,7 @@
 #include "logs/files.h"
 #include "logs/metrics/metrics_text.h"
 #include "logs/report/html.h"
+#include "logs/report/player.h"
 #include "logs/report/style.h"
 
 namespace roundabout::logs {
@@ -237,9 +238,9 @@ void writeReport(const std::string& file, const Flight& flight, const Metrics& m
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + name +
       "</title><style>" + kReportStyle + "</style></head><body>\n<h1>" + name + "</h1>\n" +
       "<p class=\"quiet\">" + escaped(flight.log_file) + "</p>\n" + verdict(metrics) +
-      cards(metrics) + "<h2>Formations</h2>\n" + plans(figures) + formationTable(metrics) +
-      "<h2>Over time</h2>\n" + curves(figures) + "<h2>Vehicles</h2>\n" + vehicleTable(metrics) +
-      "<h2>Timing</h2>\n" + timingSection(metrics) + "<h2>Faults</h2>\n" +
+      cards(metrics) + playerHtml(flight, metrics) + "<h2>Formations</h2>\n" + plans(figures) +
+      formationTable(metrics) + "<h2>Over time</h2>\n" + curves(figures) + "<h2>Vehicles</h2>\n" +
+      vehicleTable(metrics) + "<h2>Timing</h2>\n" + timingSection(metrics) + "<h2>Faults</h2>\n" +
       faultSection(flight, metrics) + "<h2>Experiment</h2>\n" +
       experimentSection(flight, command_line) + "</body></html>\n";
   writeFile(file, html);

@@ -27,7 +27,7 @@ class ChannelSummaryTest : public testing::Test {
 };
 
 TEST_F(ChannelSummaryTest, NamesTypesAndMeasuresRates) {
-  const auto channels = summarizeChannels(EventLog(log()));
+  const auto channels = summarizeChannels(EventLog(log()), TypeTable());
   ASSERT_EQ(channels.size(), 4u);
   EXPECT_EQ(channels[0].channel, "COMMAND_hex1");
   EXPECT_EQ(channels[0].type, "command_t");
@@ -45,7 +45,7 @@ TEST_F(ChannelSummaryTest, TellsWhereTheLogIsDamaged) {
   std::string bytes = readFile(log());
   bytes.insert(0, "not part of it");
   writeFile(log(), bytes);
-  const std::string text = describe(EventLog(log()));
+  const std::string text = describe(EventLog(log()), TypeTable());
   EXPECT_THAT(text, HasSubstr("damaged in 1 places, 14 bytes skipped"));
   EXPECT_THAT(text, HasSubstr("at byte 0: 14 bytes skipped, no sync word"));
 }
@@ -58,7 +58,7 @@ TEST_F(ChannelSummaryTest, SaysSoWhenAChannelHoldsSeveralTypes) {
     writer.writeBytes(3, "B", std::as_bytes(std::span("0123456")));
     writer.writeBytes(4, "C", std::as_bytes(std::span("abc")));
   }
-  const auto channels = summarizeChannels(EventLog(log()));
+  const auto channels = summarizeChannels(EventLog(log()), TypeTable());
   EXPECT_EQ(channels[0].type, "mixed");
   EXPECT_EQ(channels[1].type, "3031323334353600");
   EXPECT_EQ(channels[2].type, "too short");

@@ -1,0 +1,11 @@
+# cmake -DSOURCE=… -DFILES=a.lcm,b.lcm -P EmbedTypes.cmake: C++ that holds the text of .lcm files (logs/types/own_types.h).
+string(REPLACE "," ";" files "${FILES}")
+set(code "#include \"logs/types/own_types.h\"\n\nnamespace roundabout::logs {\n\nnamespace {\n\n")
+string(APPEND code "constexpr OwnType kFiles[] = {\n")
+foreach(file ${files})
+  file(READ ${file} text)
+  get_filename_component(name ${file} NAME)
+  string(APPEND code "{\"${name}\", R\"lcm(${text})lcm\"},\n")
+endforeach()
+string(APPEND code "};\n\n}  // namespace\n\nconst std::span<const OwnType> kOwnTypes = kFiles;\n\n}  // namespace roundabout::logs\n")
+file(WRITE ${SOURCE} "${code}")
