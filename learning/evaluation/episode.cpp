@@ -17,13 +17,13 @@ const char* nameOf(Outcome outcome) {
   return "";
 }
 
-EpisodeResult runEpisode(const Rules& rules, const TestCase& test_case,
-                         std::span<const std::unique_ptr<planner::Policy>> policies, Trace* trace) {
-  for (const auto& policy : policies) {
+EpisodeResult runEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew,
+                         Trace* trace) {
+  for (const auto& policy : crew.policies) {
     policy->reset();
   }
-  return rules.lab ? runLabEpisode(rules, test_case, policies, trace)
-                   : runIdealEpisode(rules, test_case, policies, trace);
+  return rules.lab ? runLabEpisode(rules, test_case, crew, trace)
+                   : runIdealEpisode(rules, test_case, crew, trace);
 }
 
 }  // namespace roundabout::learning

@@ -66,6 +66,7 @@ EpisodeResult EpisodeRecord::result() const {
       arrivals_ > 0 ? extra_time_s_ / arrivals_ : std::numeric_limits<double>::quiet_NaN();
   result.closest_separation_m = closest_m_;
   result.decisions = decisions_;
+  result.layers = layers_;
   return result;
 }
 

@@ -39,6 +39,7 @@ class EpisodeRecord {
   /// Between the edges of two agents.
   void noteGap(double gap_m) { closest_m_ = std::min(closest_m_, gap_m); }
   void noteDecision() { ++decisions_; }
+  void noteLayer(planner::shield::Layer layer) { ++layers_[static_cast<std::size_t>(layer)]; }
 
   bool allDone() const;
   Outcome outcome() const;
@@ -54,6 +55,7 @@ class EpisodeRecord {
   int steps_ = 0;
   int arrivals_ = 0;
   long decisions_ = 0;
+  std::array<long, kShieldLayers> layers_{};
   double extra_time_s_ = 0.0;
   double closest_m_ = std::numeric_limits<double>::infinity();
 };

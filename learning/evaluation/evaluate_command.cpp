@@ -41,6 +41,8 @@ struct Options {
   std::string rules = "published";
   std::string mix;
   double mix_share = 0.5;
+  bool mix_unshielded = false;
+  std::string shield = "both";
   std::string folder;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   bool resume = false;
@@ -73,7 +75,7 @@ Contestant makeContestant(const std::string& specification, const Rules& rules,
   planner::PolicyOptions options;
   options.orca = rules.orca;
   options.where = where;
-  return {specification, planner::makePolicy(specification, options)};
+  return {specification, planner::makePolicy(specification, options), false};
 }
 
 Suite casesOf(const Options& options) {
@@ -131,11 +133,17 @@ Evaluation prepare(const Options& options) {
   Evaluation evaluation;
   evaluation.rules = makeRules(options.rules);
   for (const std::string& specification : options.policies) {
-    evaluation.contestants.push_back(makeContestant(specification, evaluation.rules, "--policy"));
+    for (const bool shielded : {false, true}) {
+      if (options.shield == "both" || shielded == (options.shield == "on")) {
+        evaluation.contestants.push_back(
+            makeContestant(specification, evaluation.rules, "--policy"));
+        evaluation.contestants.back().shielded = shielded;
+      }
+    }
   }
   if (!options.mix.empty()) {
     evaluation.mix.emplace(Mix{makeContestant(options.mix, evaluation.rules, "--mix"),
-                               options.mix_share, options.seed});
+                               options.mix_share, !options.mix_unshielded, options.seed});
   }
   evaluation.suite = casesOf(options);
   checkNumbers(options, evaluation.suite);
@@ -198,7 +206,9 @@ json describe(const Options& options, const Evaluation& evaluation) {
           {"cases_hash", fmt::format("{:016x}", hashOfCases(evaluation.suite))},
           {"rules", {{"name", evaluation.rules.name}, {"text", evaluation.rules.sentences()}}},
           {"mix", options.mix.empty() ? json(nullptr)
-                                      : json{describePolicy(options.mix), options.mix_share}},
+                                      : json{describePolicy(options.mix), options.mix_share,
+                                             options.mix_unshielded}},
+          {"shield", options.shield},
           {"seed", options.seed}};
 }
 
@@ -354,6 +364,10 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
   command->add_option("--mix", options->mix, "NAME or NAME:WEIGHTS that some agents run instead");
   command->add_option("--mix-share", options->mix_share, "How many of them, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));
+  command->add_flag("--mix-unshielded", options->mix_unshielded,
+                    "They fly without the shield in any case");
+  command->add_option("--shield", options->shield, "on, off or both; default: both")
+      ->check(CLI::IsMember({"on", "off", "both"}));
   command->add_option("--out", options->folder, "Folder for the results");
   command->add_option("--threads", options->threads, "Default: one a core")
       ->check(CLI::Range(1, 1024));

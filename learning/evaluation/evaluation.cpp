@@ -14,6 +14,8 @@
 
 namespace roundabout::learning {
 
+std::string Contestant::title() const { return specification + (shielded ? " + shield" : ""); }
+
 std::size_t Evaluation::casesPerContestant() const {
   return std::accumulate(
       suite.groups.begin(), suite.groups.end(), std::size_t{0},
@@ -63,7 +65,12 @@ EpisodeResult CaseRunner::run(std::size_t row, Trace* trace) {
     }
   };
   swapIn();
-  const EpisodeResult result = runEpisode(evaluation_.rules, test_case, crew_, trace);
+  const bool shields = evaluation_.contestants[place.contestant].shielded;
+  shielded_.resize(agents);
+  for (std::size_t i = 0; i < agents; ++i) {
+    shielded_[i] = shields && (is_other[i] == 0 || evaluation_.mix->shielded) ? 1 : 0;
+  }
+  const EpisodeResult result = runEpisode(evaluation_.rules, test_case, {crew_, shielded_}, trace);
   swapIn();
   return result;
 }

@@ -16,12 +16,17 @@ namespace roundabout::learning {
 struct Contestant {
   std::string specification;                   ///< NAME or NAME:WEIGHTS
   std::unique_ptr<planner::Policy> prototype;  ///< agents get twins of it
+  bool shielded = false;                       ///< agents fly behind the shield
+
+  /// The specification, and " + shield" if there is one.
+  std::string title() const;
 };
 
 /// A mixed crowd: a share of the agents of every case runs another policy.
 struct Mix {
   Contestant others;
   double share = 0.5;
+  bool shielded = true;    ///< where the contestants are
   std::uint64_t seed = 1;  ///< who they are depends on this, group and case
 };
 
@@ -57,9 +62,10 @@ class CaseRunner {
   std::vector<std::uint8_t> othersIn(const Place& place, std::size_t agents) const;
 
   const Evaluation& evaluation_;
-  std::vector<Policies> own_;  // [contestant][agent]
-  Policies mixed_;             // the other policy's, [agent]
-  Policies crew_;              // of the case being run
+  std::vector<Policies> own_;           // [contestant][agent]
+  Policies mixed_;                      // the other policy's, [agent]
+  Policies crew_;                       // of the case being run
+  std::vector<std::uint8_t> shielded_;  // the same
 };
 
 /// Runs rows [first, evaluation.cases()) on `threads` threads. on_result is called for every row in

@@ -24,10 +24,10 @@ double wrapped(double angle_rad) {
 /// One case, step by step, as the published environment does it.
 class IdealEpisode {
  public:
-  IdealEpisode(const Rules& rules, const TestCase& test_case,
-               std::span<const std::unique_ptr<planner::Policy>> policies, Trace* trace)
+  IdealEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew, Trace* trace)
       : rules_(rules),
-        policies_(policies),
+        crew_(crew),
+        policies_(crew.policies),
         record_(rules, test_case, trace),
         time_left_s_(test_case.agents.size()),
         around_(test_case.agents.size()),
@@ -40,12 +40,20 @@ class IdealEpisode {
       const Vector2d way = spec.goal_m - spec.start_m;
       agent.heading_world_rad = std::atan2(way.y(), way.x());
     }
+    for (std::size_t i = 0; i < agents_.size(); ++i) {
+      planner::shield::ShieldParameters parameters =
+          planner::shield::ShieldParameters::idealRules();
+      parameters.period_s = parameters.hold_s = rules.planning_step_s;
+      parameters.suit(policies_[i]->name());
+      shields_.emplace_back(parameters);
+    }
   }
 
   void fly(std::span<const Vector2d> goals_m) {
     record_.beginLeg(goals_m, position_of_);
     for (std::size_t i = 0; i < agents_.size(); ++i) {
       policies_[i]->reset();
+      shields_[i].reset();
       agents_[i].goal_world_m = goals_m[i];
       agents_[i].velocity_world_mps.setZero();
       time_left_s_[i] = rules_.time_ratio * record_[i].straight_time_s;
@@ -91,11 +99,70 @@ class IdealEpisode {
         around.scan = scanOf(i);
       }
       const planner::Decision decision = policies_[i]->decide(agents_[i], around);
-      // The published environment passes actions on in single precision.
-      actions_[i] = {static_cast<float>(decision.speed_mps),
-                     static_cast<float>(decision.heading_change_rad)};
+      actions_[i] = actionOf(decision.speed_mps, decision.heading_change_rad);
       record_.noteDecision();
+      if (crew_.isShielded(i)) {
+        shield(i);
+      }
     }
+  }
+
+  // The published environment passes actions on in single precision.
+  static Action actionOf(double speed_mps, double heading_change_rad) {
+    return {static_cast<float>(speed_mps), static_cast<float>(heading_change_rad)};
+  }
+
+  Vector2d velocityOf(const Action& action, double heading_rad) const {
+    const double turned_rad = wrapped(static_cast<double>(action.heading_change_rad) + heading_rad);
+    return static_cast<double>(action.speed_mps) *
+           Vector2d(std::cos(turned_rad), std::sin(turned_rad));
+  }
+
+  void shield(std::size_t i) {
+    const core::EgoAgent& agent = agents_[i];
+    planner::shield::Ego ego;
+    ego.motion = motionOf(agent);
+    ego.radius_m = rules_.body_share * agent.radius_m;
+    ego.goal_world_m = agent.goal_world_m;
+    ego.preferred_speed_mps = ego.max_speed_mps = agent.preferred_speed_mps;
+    ego.id = static_cast<int>(i);
+    neighbours_.clear();
+    for (std::size_t j = 0; j < agents_.size(); ++j) {
+      if (j == i) {
+        continue;
+      }
+      planner::shield::Neighbour& other = neighbours_.emplace_back();
+      other.motion = motionOf(agents_[j]);
+      other.radius_m = rules_.body_share * agents_[j].radius_m;
+      other.max_speed_mps = agents_[j].preferred_speed_mps;
+      other.id = static_cast<int>(j);
+      other.shielded = crew_.isShielded(j);
+      other.parked = record_[j].done();
+    }
+    const Vector2d wanted = velocityOf(actions_[i], agent.heading_world_rad);
+    const planner::shield::ShieldDecision decision =
+        shields_[i].decide(ego, neighbours_, {}, wanted, record_[i].time_s);
+    record_.noteLayer(decision.layer);
+    const Vector2d& flown = decision.velocity_world_mps;
+    if (flown == wanted) {
+      return;
+    }
+    const double speed_mps = flown.norm();
+    const double across = wanted.x() * flown.y() - wanted.y() * flown.x();
+    if (speed_mps > 0.0 && (wanted.dot(flown) <= 0.0 || std::abs(across) > 1e-9)) {
+      const double course_rad = std::atan2(flown.y(), flown.x());
+      actions_[i] = actionOf(speed_mps, wrapped(course_rad - agent.heading_world_rad));
+    } else {
+      actions_[i] = actionOf(speed_mps, static_cast<double>(actions_[i].heading_change_rad));
+    }
+  }
+
+  static planner::shield::Motion motionOf(const core::EgoAgent& agent) {
+    planner::shield::Motion motion;
+    motion.position_world_m = agent.position_world_m;
+    motion.velocity_world_mps = agent.velocity_world_mps;
+    motion.heading_world_rad = agent.heading_world_rad;
+    return motion;
   }
 
   core::RangeScan scanOf(std::size_t agent) {
@@ -151,7 +218,10 @@ class IdealEpisode {
   }
 
   const Rules& rules_;
+  Crew crew_;
   std::span<const std::unique_ptr<planner::Policy>> policies_;
+  std::vector<planner::shield::Shield> shields_;  // of every agent, whether it is asked or not
+  std::vector<planner::shield::Neighbour> neighbours_;
   EpisodeRecord record_;
   std::vector<core::EgoAgent> agents_;
   std::vector<double> time_left_s_;  // until an agent counts as stuck
@@ -167,10 +237,9 @@ class IdealEpisode {
 
 }  // namespace
 
-EpisodeResult runIdealEpisode(const Rules& rules, const TestCase& test_case,
-                              std::span<const std::unique_ptr<planner::Policy>> policies,
+EpisodeResult runIdealEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew,
                               Trace* trace) {
-  IdealEpisode episode(rules, test_case, policies, trace);
+  IdealEpisode episode(rules, test_case, crew, trace);
   flyLegs(test_case, episode.record(),
           [&](std::span<const Vector2d> goals_m) { episode.fly(goals_m); });
   return episode.record().result();

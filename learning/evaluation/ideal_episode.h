@@ -5,8 +5,7 @@
 namespace roundabout::learning {
 
 /// As runEpisode(), with agents that do at once what they decide.
-EpisodeResult runIdealEpisode(const Rules& rules, const TestCase& test_case,
-                              std::span<const std::unique_ptr<planner::Policy>> policies,
+EpisodeResult runIdealEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew,
                               Trace* trace);
 
 }  // namespace roundabout::learning

@@ -200,10 +200,9 @@ class LabEpisode {
 
 }  // namespace
 
-EpisodeResult runLabEpisode(const Rules& rules, const TestCase& test_case,
-                            std::span<const std::unique_ptr<planner::Policy>> policies,
+EpisodeResult runLabEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew,
                             Trace* trace) {
-  LabEpisode episode(rules, test_case, policies, trace);
+  LabEpisode episode(rules, test_case, crew.policies, trace);
   episode.takeOff();
   flyLegs(test_case, episode.record(),
           [&](std::span<const Vector2d> goals_m) { episode.fly(goals_m); });

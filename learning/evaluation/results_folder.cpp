@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include "common/core/error.h"
 
@@ -16,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTitles =
-    "policy,agents,case,outcome,steps,mean_extra_time_s,closest_separation_m,group\n";
+    "policy,agents,case,outcome,steps,mean_extra_time_s,closest_separation_m,decisions,hard,static,"
+    "look_ahead,breaker,step_aside,group\n";
 
 // Policies and groups may have commas in their names.
 std::string cell(const std::string& text) {
@@ -32,7 +34,7 @@ std::string cell(const std::string& text) {
 
 std::string keyOf(const Evaluation& evaluation, const Place& place) {
   const CaseGroup& group = evaluation.suite.groups[place.group];
-  return fmt::format("{},{},{},", cell(evaluation.contestants[place.contestant].specification),
+  return fmt::format("{},{},{},", cell(evaluation.contestants[place.contestant].title()),
                      group.cases[place.number].agents.size(), place.number);
 }
 
@@ -50,7 +52,7 @@ bool parseRow(const std::string& line, const std::string& key, EpisodeResult& re
   if (!line.starts_with(key)) {
     return false;
   }
-  std::array<std::string, 4> cells;
+  std::array<std::string, 4 + kShieldLayers> cells;
   std::istringstream rest(line.substr(key.size()));
   for (std::string& each : cells) {
     if (!std::getline(rest, each, ',')) {
@@ -62,9 +64,14 @@ bool parseRow(const std::string& line, const std::string& key, EpisodeResult& re
     value = static_cast<std::decay_t<decltype(value)>>(std::strtod(text.c_str(), &end));
     return !text.empty() && *end == '\0';
   };
+  bool layers = true;
+  for (std::size_t i = 1; i < kShieldLayers; ++i) {
+    layers = layers && number(cells[4 + i], result.layers[i]);
+  }
   return parseOutcome(cells[0], result.outcome) && number(cells[1], result.steps) &&
          number(cells[2], result.mean_extra_time_s) &&
-         number(cells[3], result.closest_separation_m);
+         number(cells[3], result.closest_separation_m) && number(cells[4], result.decisions) &&
+         layers;
 }
 
 }  // namespace
@@ -138,9 +145,10 @@ void ResultsFolder::append(const Evaluation& evaluation, std::size_t row,
   // As it will be read again: a resumed run has the same summary.
   finished_.back().mean_extra_time_s = std::round(1e6 * result.mean_extra_time_s) / 1e6;
   finished_.back().closest_separation_m = std::round(1e6 * result.closest_separation_m) / 1e6;
-  cases_ << fmt::format("{}{},{},{:.6f},{:.6f},{}\n", keyOf(evaluation, place),
+  const std::span<const long> changed = std::span(result.layers).subspan(1);
+  cases_ << fmt::format("{}{},{},{:.6f},{:.6f},{},{},{}\n", keyOf(evaluation, place),
                         nameOf(result.outcome), result.steps, result.mean_extra_time_s,
-                        result.closest_separation_m,
+                        result.closest_separation_m, result.decisions, fmt::join(changed, ","),
                         cell(evaluation.suite.groups[place.group].name))
          << std::flush;
   if (!cases_) {

@@ -53,6 +53,7 @@ class GroupRows {
 
 Score scoreOf(const GroupRows& rows, std::size_t contestant) {
   Score score;
+  long decisions = 0;
   score.cases = rows.size();
   score.closest_separation_m = std::numeric_limits<double>::infinity();
   std::vector<double> own_s;
@@ -72,12 +73,25 @@ Score scoreOf(const GroupRows& rows, std::size_t contestant) {
       common_s.push_back(result.mean_extra_time_s);
     }
   }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    decisions += rows.at(contestant, k).decisions;
+    for (std::size_t i = 1; i < kShieldLayers; ++i) {
+      score.layer_shares[i] += static_cast<double>(rows.at(contestant, k).layers[i]);
+    }
+  }
+  for (double& each : score.layer_shares) {
+    each /= static_cast<double>(std::max(decisions, 1L));
+  }
   score.own = extraTimesOf(std::move(own_s));
   score.common = extraTimesOf(std::move(common_s));
   return score;
 }
 
 }  // namespace
+
+double Score::changedShare() const {
+  return std::accumulate(layer_shares.begin(), layer_shares.end(), 0.0);
+}
 
 double percentile(std::vector<double> values, double percent) {
   if (values.empty()) {

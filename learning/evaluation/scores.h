@@ -27,6 +27,10 @@ struct Score {
   ExtraTimes common;                       ///< over those that every contestant solved
   double closest_separation_m = 0.0;       ///< of all cases
   double mean_closest_separation_m = 0.0;  ///< over cases
+  /// Of all decisions, those that a layer of the shield changed. kNone: 0.
+  std::array<double, kShieldLayers> layer_shares{};
+
+  double changedShare() const;
 };
 
 /// Percentile by linear interpolation between order statistics (numpy's default). NaN of nothing.

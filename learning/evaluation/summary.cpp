@@ -31,6 +31,39 @@ json timesJson(const ExtraTimes& times) {
 
 json finiteOrNull(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
+// How much of what the shielded wanted was changed, and by which layer.
+std::string interventionsText(const Evaluation& evaluation, const std::vector<Score>& scores,
+                              std::size_t width) {
+  std::string text;
+  for (const Score& score : scores) {
+    if (!evaluation.contestants[score.contestant].shielded) {
+      continue;
+    }
+    if (text.empty()) {
+      text = fmt::format("\n{:<{}}  {:<12}  {:>9}", "steps changed, %", width, "cases", "all");
+      for (std::size_t i = 1; i < kShieldLayers; ++i) {
+        text += fmt::format("  {:>10}", nameOf(static_cast<planner::shield::Layer>(i)));
+      }
+      text += '\n';
+    }
+    text += fmt::format("{:<{}}  {:<12}  {:>9.2f}", labelOf(evaluation, score.contestant), width,
+                        evaluation.suite.groups[score.group].name, 100.0 * score.changedShare());
+    for (std::size_t i = 1; i < kShieldLayers; ++i) {
+      text += fmt::format("  {:>10.2f}", 100.0 * score.layer_shares[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+json layersJson(const Score& score) {
+  json layers = json::object();
+  for (std::size_t i = 1; i < kShieldLayers; ++i) {
+    layers[nameOf(static_cast<planner::shield::Layer>(i))] = score.layer_shares[i];
+  }
+  return layers;
+}
+
 }  // namespace
 
 std::string shortLabel(const std::string& specification) {
@@ -43,12 +76,14 @@ std::string shortLabel(const std::string& specification) {
 }
 
 std::string labelOf(const Evaluation& evaluation, std::size_t contestant) {
+  const std::string suffix = evaluation.contestants[contestant].shielded ? " + shield" : "";
   const std::string& specification = evaluation.contestants[contestant].specification;
   const std::string label = shortLabel(specification);
   const auto namesakes = std::count_if(
-      evaluation.contestants.begin(), evaluation.contestants.end(),
-      [&](const Contestant& other) { return shortLabel(other.specification) == label; });
-  return namesakes > 1 ? specification : label;
+      evaluation.contestants.begin(), evaluation.contestants.end(), [&](const Contestant& other) {
+        return shortLabel(other.specification) == label && other.specification != specification;
+      });
+  return (namesakes > 0 ? specification : label) + suffix;
 }
 
 std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& scores) {
@@ -73,6 +108,7 @@ std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& 
         100.0 * score.collision_share, 100.0 * score.stuck_share, timesText(score.own),
         timesText(score.common), score.closest_separation_m, score.mean_closest_separation_m);
   }
+  text += interventionsText(evaluation, scores, width);
   text +=
       "\nextra s: mean / 75th / 90th percentile over cases of the mean extra time to goal\n"
       "separation m: closest of all cases, and mean over cases of the closest, between edges\n";
@@ -92,7 +128,10 @@ json summaryJson(const Evaluation& evaluation, const std::vector<Score>& scores)
   json rows = json::array();
   for (const Score& score : scores) {
     const CaseGroup& group = evaluation.suite.groups[score.group];
-    rows.push_back({{"policy", evaluation.contestants[score.contestant].specification},
+    const Contestant& contestant = evaluation.contestants[score.contestant];
+    rows.push_back({{"policy", contestant.specification},
+                    {"shield", contestant.shielded},
+                    {"changed_by_layer", contestant.shielded ? layersJson(score) : json(nullptr)},
                     {"group", group.name},
                     {"agents", group.cases.front().agents.size()},
                     {"cases", score.cases},

@@ -153,10 +153,9 @@ void BrakeConstraints::add(const Vector2d& normal, double usable_m, double share
     if (per_speed_s_[i] > kNoReach_s) {
       const double left_m = limit_m - normal.dot(braking[std::min(i, braking.size() - 1)]);
       fastest_mps = std::min(fastest_mps, left_m / per_speed_s_[i]);
-    }
-    if (i + 1 >= braking.size() && i + 1 < per_speed_s_.size() &&
-        per_speed_s_[i] == per_speed_s_[i + 1]) {
-      break;
+      if (i + 1 >= braking.size() && per_speed_s_[i] == per_speed_s_.back()) {
+        break;  // nothing moves any more
+      }
     }
   }
   fastest_mps = std::max(fastest_mps, -kRetreatShare * ego_->max_speed_mps);
@@ -209,12 +208,12 @@ Vector2d BrakeConstraints::slowed(const Vector2d& wanted_mps) const {
   return share * wanted_mps;
 }
 
-Vector2d BrakeConstraints::nearest(const Vector2d& wanted_mps) {
+Vector2d BrakeConstraints::nearest(const Vector2d& wanted_mps, bool keeps_heading) {
   if (keeps(wanted_mps)) {
     return wanted_mps;
   }
   Vector2d chosen = slowed(wanted_mps);
-  if (!parameters_.keeps_heading || !keeps(chosen)) {
+  if (!keeps_heading || !keeps(chosen)) {
     program_.reserve(half_planes_.size());
     chosen = program_.solve(half_planes_, wanted_mps, ego_->max_speed_mps).velocity_mps;
   }

@@ -25,7 +25,8 @@ class BrakeConstraints {
   bool keeps(const Eigen::Vector2d& velocity_mps) const;
 
   /// A command that keeps them all and is near the wanted one; braking, if nothing else does.
-  Eigen::Vector2d nearest(const Eigen::Vector2d& wanted_mps);
+  /// keeps_heading: slower in the same direction, if that is possible.
+  Eigen::Vector2d nearest(const Eigen::Vector2d& wanted_mps, bool keeps_heading);
 
   /// Of those that `velocity_mps` breaks, the worst is of a wall or an obstacle.
   bool worstIsStatic(const Eigen::Vector2d& velocity_mps) const;

@@ -15,8 +15,13 @@ ShieldParameters ShieldParameters::lab() {
   ShieldParameters parameters;
   parameters.breaker_horizon_s = 3.0;
   parameters.block_horizon_s = 1.5;
+  parameters.slow_down_distance_m = 2.0;
   parameters.steps_aside = true;
   return parameters;
+}
+
+void ShieldParameters::suit(std::string_view policy) {
+  progress_time_constant_s = policy == "orca" || policy == "non_cooperative" ? 1.0 : 2.0;
 }
 
 }  // namespace roundabout::planner::shield

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 namespace roundabout::planner::shield {
 
 /// Everything the shield can be told. The bounds of vehicles are with the vehicles (MotionBounds).
@@ -21,15 +23,20 @@ struct ShieldParameters {
   double look_ahead_gap_m = 0.05;
 
   bool breaker = true;
+  /// Within this distance of the goal the vehicle is expected to slow down linearly; 0: it is not.
+  double slow_down_distance_m = 0.0;
   double progress_time_constant_s = 2.0;  ///< 1 for policies without a memory
   double stalled_share = 0.2;             ///< of the preferred speed; slower: stalled
   double breaker_horizon_s = 2.0;
   double block_horizon_s = 1.0;  ///< nearer in time than this, somebody blocks
   bool steps_aside = false;
+  double step_aside_gain_per_s = 1.2;  ///< position error to velocity
 
   /// Agents that do at once what they decide, on true states, all at the same time: the published
   /// rules. A command is flown for one step.
   static ShieldParameters idealRules();
+  /// For what a policy of the table is: those without a memory do not get on by waiting.
+  void suit(std::string_view policy);
   /// Vehicles with lag and delay, noise and losses, unsynchronised.
   static ShieldParameters lab();
 };

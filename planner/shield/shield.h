@@ -23,6 +23,7 @@ struct Ego {
   double preferred_speed_mps = 1.0;
   double max_speed_mps = 1.0;  ///< of what is commanded
   int id = 0;                  ///< differs from that of every neighbour
+  bool parked = false;         ///< at its goal: stands there, steps aside for who asks, returns
 };
 
 /// Another vehicle. `motion.age_s` grows while it is not tracked.

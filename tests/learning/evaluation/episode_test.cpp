@@ -23,7 +23,7 @@ EpisodeResult run(const TestCase& test_case, const std::vector<std::string>& nam
                   const std::string& rules_name = "published", Trace* trace = nullptr) {
   const Rules rules = makeRules(rules_name);
   const Policies policies = crew(names, rules);
-  return runEpisode(rules, test_case, policies, trace);
+  return runEpisode(rules, test_case, {.policies = policies}, trace);
 }
 
 AgentSpec agent(double x, double goal_x, double y = 0.0) { return {{x, y}, {goal_x, y}, 0.5, 1.0}; }

@@ -16,7 +16,7 @@ Evaluation smallEvaluation() {
   for (const char* name : {"orca", "non_cooperative"}) {
     planner::PolicyOptions options;
     options.orca = evaluation.rules.orca;
-    evaluation.contestants.push_back({name, planner::makePolicy(name, options)});
+    evaluation.contestants.push_back({name, planner::makePolicy(name, options), false});
   }
   for (const int agents : {2, 5}) {
     GeneratorSettings settings;

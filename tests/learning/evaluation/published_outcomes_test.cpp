@@ -43,7 +43,7 @@ class PublishedOutcomes : public ::testing::TestWithParam<int> {
   std::vector<EpisodeResult> run(std::unique_ptr<planner::Policy> policy, std::size_t cases) {
     evaluation_.suite.groups.front().cases.resize(cases);
     evaluation_.contestants.clear();
-    evaluation_.contestants.push_back({std::string(policy->name()), std::move(policy)});
+    evaluation_.contestants.push_back({std::string(policy->name()), std::move(policy), false});
     std::vector<EpisodeResult> results;
     runAll(
         evaluation_, 0, 2,

@@ -31,7 +31,7 @@ class ResultsFolderTest : public ::testing::Test {
     return test::startupErrorOf([&] { open(resume, run); });
   }
   static EpisodeResult result(double extra_s) {
-    return {Outcome::kCollision, 17, extra_s, -0.25, 0};
+    return {Outcome::kCollision, 17, extra_s, -0.25, 40, {30, 1, 2, 3, 4, 0}};
   }
 
   test::ScratchFolder scratch_;
@@ -50,6 +50,8 @@ TEST_F(ResultsFolderTest, RowsAreReadBackToGoOn) {
   EXPECT_EQ(results.finished()[0].steps, 17);
   EXPECT_EQ(results.finished()[0].mean_extra_time_s, 1.234568);
   EXPECT_EQ(results.finished()[0].closest_separation_m, -0.25);
+  EXPECT_EQ(results.finished()[0].decisions, 40);
+  EXPECT_EQ(results.finished()[0].layers, (std::array<long, kShieldLayers>{0, 1, 2, 3, 4, 0}));
   EXPECT_TRUE(std::isnan(results.finished()[1].mean_extra_time_s));
 }
 

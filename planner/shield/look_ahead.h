@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+
+#include "planner/shield/brake_constraints.h"
+#include "planner/shield/scene.h"
+
+namespace roundabout::planner::shield {
+
+/// Keeps a policy from commands that the hard layer would soon have to undo: everybody goes on for
+/// a second, the ego as its dynamics allow.
+class LookAhead {
+ public:
+  explicit LookAhead(const ShieldParameters& parameters) : parameters_(parameters) {}
+
+  /// The nearest command that stays clear, if the wanted one does not and there is one.
+  std::optional<Eigen::Vector2d> instead(const Ego& ego, const Scene& scene,
+                                         const BrakeConstraints& constraints,
+                                         const Eigen::Vector2d& wanted_mps);
+
+ private:
+  bool clear(const Ego& ego, const Scene& scene, const Eigen::Vector2d& velocity_mps);
+
+  const ShieldParameters& parameters_;
+  Path path_;
+};
+
+}  // namespace roundabout::planner::shield
