@@ -25,14 +25,15 @@ struct Conv1d {
     return Output::Zero(kOutputLength + 2 * padding_after, kOutputs);
   }
 
-  /// relu(conv(input)) from row first_row of `output` on.
-  void applyRelu(const Input& input, Output& output, int first_row = 0) const {
+  /// Places [begin, end) of relu(conv(input)), into `output` from its row begin + padding_after on.
+  void applyRelu(const Input& input, Output& output, int padding_after = 0, int begin = 0,
+                 int end = kOutputLength) const {
     // Neighbouring patches overlap in memory: a matrix whose rows begin kStride places apart.
     using Patches = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, kPatch, Eigen::RowMajor>,
                                0, Eigen::OuterStride<>>;
-    const Patches patches(input.data(), kOutputLength, kPatch,
+    const Patches patches(input.row(kStride * begin).data(), end - begin, kPatch,
                           Eigen::OuterStride<>(kStride * kInputs));
-    auto rows = output.middleRows(first_row, kOutputLength);
+    auto rows = output.middleRows(begin + padding_after, end - begin);
     rows.noalias() = patches * kernel;
     rows = (rows.rowwise() + bias).cwiseMax(0.0F);
   }

@@ -16,9 +16,10 @@ template <int kOutputs>
 using Kernel = Eigen::Matrix<float, Eigen::Dynamic, kOutputs, Eigen::RowMajor>;
 
 /// output += input * kernel. Zero inputs cost nothing: after a ReLU that is about half of them.
-/// kernel: [inputs, kOutputs]. kInputs may be Eigen::Dynamic.
+/// kernel: [inputs, kOutputs], perhaps some rows of a larger one. kInputs may be Eigen::Dynamic.
 template <int kInputs, int kOutputs>
-void addProduct(const Row<kInputs>& input, const Kernel<kOutputs>& kernel, Row<kOutputs>& output) {
+void addProduct(const Row<kInputs>& input, const Eigen::Ref<const Kernel<kOutputs>>& kernel,
+                Row<kOutputs>& output) {
   constexpr int kBlock = kInputs == Eigen::Dynamic ? 128 : kInputs;
   const int size = static_cast<int>(input.size());
   std::array<int, kBlock> active;

@@ -14,7 +14,8 @@ namespace roundabout::planner {
 
 using Eigen::Vector2d;
 
-DrlMaca::DrlMaca(std::shared_ptr<const DrlMacaWeights> weights) : network_(std::move(weights)) {}
+DrlMaca::DrlMaca(std::shared_ptr<const DrlMacaWeights> weights, bool with_value)
+    : network_(std::move(weights)), with_value_(with_value) {}
 
 Decision DrlMaca::decide(const core::EgoAgent& ego, const core::Surroundings& around) {
   const DrlMacaNetwork::OwnInputs own = ownInputs(ego);
@@ -23,7 +24,7 @@ Decision DrlMaca::decide(const core::EgoAgent& ego, const core::Surroundings& ar
   if (!stack_.push(around.scan)) {
     return decision;
   }
-  const DrlMacaNetwork::Output output = network_.evaluate(stack_.scans(), own);
+  const DrlMacaNetwork::Output output = network_.evaluate(stack_.scans(), own, with_value_);
   // Inputs beyond all reason overflow; the caller must not fly what comes out.
   const bool sound = std::isfinite(output.linear_mps) && std::isfinite(output.angular_radps);
   decision.speed_mps = sound ? std::min(output.linear_mps, ego.preferred_speed_mps)
@@ -46,7 +47,7 @@ DrlMacaNetwork::OwnInputs DrlMaca::ownInputs(const core::EgoAgent& ego) const {
 }
 
 std::unique_ptr<Policy> DrlMaca::twin() const {
-  return std::make_unique<DrlMaca>(network_.weights());
+  return std::make_unique<DrlMaca>(network_.weights(), with_value_);
 }
 
 void DrlMaca::reset() {
@@ -55,7 +56,7 @@ void DrlMaca::reset() {
 }
 
 std::unique_ptr<Policy> makeDrlMaca(const PolicyOptions& options) {
-  return std::make_unique<DrlMaca>(readDrlMacaWeights(options.weights));
+  return std::make_unique<DrlMaca>(readDrlMacaWeights(options.weights), options.with_value);
 }
 
 }  // namespace roundabout::planner

@@ -19,10 +19,13 @@ class DrlMaca final : public Policy {
   /// Of planning; turns are rates times this.
   static constexpr double kTimeStepS = 0.1;
 
-  explicit DrlMaca(std::shared_ptr<const DrlMacaWeights> weights);
+  /// with_value: decisions carry the critic's value.
+  explicit DrlMaca(std::shared_ptr<const DrlMacaWeights> weights, bool with_value = true);
 
   Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override;
   bool needsScan() const override { return true; }
+  /// It sees them in its scans, as it sees everything.
+  bool avoidsObstacles() const override { return true; }
   std::unique_ptr<Policy> twin() const override;
   void reset() override;
   std::string_view name() const override { return "drl_maca"; }
@@ -31,6 +34,7 @@ class DrlMaca final : public Policy {
   DrlMacaNetwork::OwnInputs ownInputs(const core::EgoAgent& ego) const;
 
   DrlMacaNetwork network_;
+  bool with_value_;
   ScanStack stack_;
   std::optional<double> last_heading_rad_;  // in the call before; its own turn rate is not told
 };

@@ -20,6 +20,7 @@ void fill(DrlMacaTrunk& trunk, const nn::WeightFile& file, const std::string& na
   trunk.conv2.bias = file.matrix(name + "/conv2/bias");
   file.fill(trunk.dense1, name + "/dense1");
   file.fill(trunk.dense2, name + "/dense2");
+  trunk.prepare();
 }
 
 }  // namespace

@@ -106,21 +106,14 @@ std::vector<double> textbookTrunk(const Planes& scans, const DrlMacaNetwork::Own
   return units;
 }
 
-TEST(DrlMacaNetwork, EqualsTheTextbookFormula) {
-  const nn::TensorFile file = test::randomDrlMaca();
-  DrlMacaNetwork network(toDrlMacaWeights(file, "random"));
-  core::RandomStream random(1, "scans");
-  DrlMacaNetwork::Scans scans;
-  Planes planes(DrlMacaTrunk::kScans);
-  for (std::size_t k = 0; k < scans.size(); ++k) {
-    for (float& reading : scans[k]) {
-      reading = static_cast<float>(random.uniform(-0.5, 0.5));
-      planes[k].push_back(reading);
-    }
-  }
+void expectTextbook(const nn::TensorFile& file, const DrlMacaNetwork::Scans& scans) {
   const DrlMacaNetwork::OwnInputs own = {3.0F, -1.0F, 0.7F, 0.2F};
-  const DrlMacaNetwork::Output output = network.evaluate(scans, own);
-
+  DrlMacaNetwork network(toDrlMacaWeights(file, "random"));
+  const DrlMacaNetwork::Output output = network.evaluate(scans, own, true);
+  Planes planes;
+  for (const auto& scan : scans) {
+    planes.emplace_back(scan.begin(), scan.end());
+  }
   const std::vector<double> actor = textbookTrunk(planes, own, file, "actor");
   EXPECT_NEAR(output.linear_mps,
               1.0 / (1.0 + std::exp(-textbookDense(actor, file, "actor/linear")[0])), 1e-5);
@@ -128,6 +121,70 @@ TEST(DrlMacaNetwork, EqualsTheTextbookFormula) {
               1e-5);
   const std::vector<double> critic = textbookTrunk(planes, own, file, "critic");
   EXPECT_NEAR(output.value, textbookDense(critic, file, "critic/value")[0], 1e-4);
+
+  const DrlMacaNetwork::Output actor_only = network.evaluate(scans, own, false);
+  EXPECT_EQ(actor_only.linear_mps, output.linear_mps);
+  EXPECT_EQ(actor_only.angular_radps, output.angular_radps);
+  EXPECT_TRUE(std::isnan(actor_only.value));
+}
+
+void scatter(DrlMacaNetwork::Scans& scans, std::size_t begin, std::size_t end,
+             core::RandomStream& random) {
+  for (auto& scan : scans) {
+    for (std::size_t beam = begin; beam < end; ++beam) {
+      scan[beam] = static_cast<float>(random.uniform(-0.5, 0.5));
+    }
+  }
+}
+
+DrlMacaNetwork::Scans freeScans() {
+  DrlMacaNetwork::Scans scans;
+  for (auto& scan : scans) {
+    scan.fill(DrlMacaTrunk::kFreeBeam);
+  }
+  return scans;
+}
+
+TEST(DrlMacaNetwork, EqualsTheTextbookFormula) {
+  core::RandomStream random(1, "scans");
+  DrlMacaNetwork::Scans scans = freeScans();
+  scatter(scans, 0, kBeams, random);
+  expectTextbook(test::randomDrlMaca(), scans);
+}
+
+TEST(DrlMacaNetwork, EqualsTheTextbookFormulaWhateverBeamsAreFree) {
+  core::RandomStream random(7, "scans");
+  const nn::TensorFile file = test::randomDrlMaca();
+  expectTextbook(file, freeScans());
+  // Every place of a beam in the windows that see it, and both ends.
+  for (const std::size_t beam : {0, 1, 2, 3, 4, 5, 6, 250, 251, 252, 253, 508, 509, 510, 511}) {
+    SCOPED_TRACE(beam);
+    DrlMacaNetwork::Scans scans = freeScans();
+    scans[beam % 3][beam] = -0.3F;
+    expectTextbook(file, scans);
+  }
+  for (int i = 0; i < 10; ++i) {
+    SCOPED_TRACE(i);
+    DrlMacaNetwork::Scans scans = freeScans();
+    for (int stretch = 0; stretch < 4; ++stretch) {
+      const std::size_t begin = random.index(kBeams);
+      scatter(scans, begin, std::min(begin + 1 + random.index(60), std::size_t{kBeams}), random);
+    }
+    expectTextbook(file, scans);
+  }
+}
+
+TEST(DrlMacaNetwork, RemembersNothingOfTheQueryBefore) {
+  core::RandomStream random(8, "scans");
+  const auto weights = toDrlMacaWeights(test::randomDrlMaca(), "random");
+  DrlMacaNetwork used(weights);
+  DrlMacaNetwork::Scans scans = freeScans();
+  scatter(scans, 0, kBeams, random);
+  used.evaluate(scans, {}, true);
+  scans = freeScans();
+  scatter(scans, 100, 130, random);
+  EXPECT_EQ(used.evaluate(scans, {}, true).value,
+            DrlMacaNetwork(weights).evaluate(scans, {}, true).value);
 }
 
 TEST(DrlMacaScans, TheFirstFillsTheStackThenTheOldestLeaves) {
