@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace roundabout::core {
 
@@ -19,12 +18,16 @@ const Vector2d& cornerAfter(const Polygon& polygon, std::size_t i) {
 /// Positive: c lies to the left of the way from a to b.
 double side(const Vector2d& a, const Vector2d& b, const Vector2d& c) { return cross(b - a, c - a); }
 
-double distanceToSegment(const Vector2d& a, const Vector2d& b, const Vector2d& place) {
+Vector2d nearestOnSegment(const Vector2d& a, const Vector2d& b, const Vector2d& place) {
   const Vector2d way = b - a;
   const double length_squared = way.squaredNorm();
   const double along =
       length_squared > 0.0 ? std::clamp((place - a).dot(way) / length_squared, 0.0, 1.0) : 0.0;
-  return (place - a - along * way).norm();
+  return a + along * way;
+}
+
+double distanceToSegment(const Vector2d& a, const Vector2d& b, const Vector2d& place) {
+  return (place - nearestOnSegment(a, b, place)).norm();
 }
 
 bool segmentsTouch(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
@@ -78,20 +81,34 @@ bool isConvex(const Polygon& polygon) {
   return true;
 }
 
-double distanceTo(const Polygon& polygon, const Vector2d& place_m) {
-  double distance = std::numeric_limits<double>::infinity();
+bool contains(const Polygon& polygon, const Vector2d& place_m) {
   bool inside = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d& a = polygon[i];
     const Vector2d& b = cornerAfter(polygon, i);
-    distance = std::min(distance, distanceToSegment(a, b, place_m));
     // A ray to the right crosses sides once more from inside than from outside.
     if ((a.y() > place_m.y()) != (b.y() > place_m.y())) {
       const bool leftwards = b.y() < a.y();
       inside ^= (side(a, b, place_m) > 0.0) != leftwards;
     }
   }
-  return inside ? -distance : distance;
+  return inside;
+}
+
+Vector2d nearestOnOutline(const Polygon& polygon, const Vector2d& place_m) {
+  Vector2d nearest = polygon.front();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2d found = nearestOnSegment(polygon[i], cornerAfter(polygon, i), place_m);
+    if ((found - place_m).squaredNorm() < (nearest - place_m).squaredNorm()) {
+      nearest = found;
+    }
+  }
+  return nearest;
+}
+
+double distanceTo(const Polygon& polygon, const Vector2d& place_m) {
+  const double distance_m = (nearestOnOutline(polygon, place_m) - place_m).norm();
+  return contains(polygon, place_m) ? -distance_m : distance_m;
 }
 
 }  // namespace roundabout::core

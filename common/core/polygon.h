@@ -14,6 +14,12 @@ bool isSimple(const Polygon& polygon);
 /// polygons do.
 bool isConvex(const Polygon& polygon);
 
+/// Whether a place lies inside a simple polygon. Either is said of its outline.
+bool contains(const Polygon& polygon, const Eigen::Vector2d& place_m);
+
+/// The point of a polygon's outline that is nearest to a place; of equally near ones the first.
+Eigen::Vector2d nearestOnOutline(const Polygon& polygon, const Eigen::Vector2d& place_m);
+
 /// From a place to the nearest point of a simple polygon; negative inside. m.
 double distanceTo(const Polygon& polygon, const Eigen::Vector2d& place_m);
 

@@ -118,7 +118,7 @@ class Orca final : public Policy {
   }
 
   // A convex obstacle is avoided as a whole. Of another one every side that faces the ego is an
-  // obstacle of its own: nothing is hit first from behind.
+  // obstacle of its own: nothing is hit first from behind. Inside, only the shortest way out counts.
   void addObstacle(const core::EgoAgent& ego, const core::Polygon& obstacle) {
     corners_.clear();
     for (const Vector2d& corner : obstacle) {
@@ -128,10 +128,14 @@ class Orca final : public Policy {
       addConvexObstacle(ego, corners_);
       return;
     }
+    if (core::contains(obstacle, ego.position_world_m)) {
+      addWayOut(core::nearestOnOutline(obstacle, ego.position_world_m) - ego.position_world_m);
+      return;
+    }
     corners_.push_back(corners_.front());
     for (std::size_t i = 0; i < obstacle.size(); ++i) {
       const std::span<const Vector2d> side = std::span<const Vector2d>(corners_).subspan(i, 2);
-      const bool faces_ego = side[0].x() * side[1].y() - side[0].y() * side[1].x() < 0.0;
+      const bool faces_ego = side[0].x() * side[1].y() - side[0].y() * side[1].x() <= 0.0;
       if (faces_ego) {
         addConvexObstacle(ego, side);
       }
@@ -146,6 +150,14 @@ class Orca final : public Policy {
                                   .horizon_s = options_.obstacle_horizon_s});
     if (half_plane) {
       half_planes_.push_back(*half_plane);
+    }
+  }
+
+  // Nearer to the outline, or along it, but no deeper.
+  void addWayOut(const Vector2d& way_out) {
+    const double depth_m = way_out.norm();
+    if (depth_m > 0.0) {
+      half_planes_.push_back({way_out / depth_m, 0.0});
     }
   }
 

@@ -46,8 +46,16 @@ TEST(Polygon, DistanceIsToTheNearestPointAndNegativeInside) {
   EXPECT_DOUBLE_EQ(distanceTo(kAngle, {2.5, 2.0}), -0.5);
 }
 
+TEST(Polygon, TheNearestPointOfItsOutlineIsASideOrACorner) {
+  EXPECT_EQ(nearestOnOutline(kSquare, {1.5, 1.0}), Vector2d(2.0, 1.0));
+  EXPECT_EQ(nearestOnOutline(kSquare, {5.0, 6.0}), Vector2d(2.0, 2.0));
+  EXPECT_EQ(nearestOnOutline(kAngle, {2.3, 0.7}), Vector2d(2.0, 1.0)) << "from inside, the notch";
+}
+
 TEST(Polygon, InsideIsRightWhereARayMeetsCorners) {
   const Polygon diamond = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
+  EXPECT_TRUE(contains(diamond, {0.0, 0.0}));
+  EXPECT_FALSE(contains(diamond, {-2.0, 0.0}));
   EXPECT_LT(distanceTo(diamond, {0.0, 0.0}), 0.0);
   EXPECT_LT(distanceTo(diamond, {-0.5, 0.0}), 0.0);
   EXPECT_GT(distanceTo(diamond, {-2.0, 0.0}), 0.0);

@@ -277,6 +277,42 @@ TEST_F(OrcaAmongObstacles, StopsInANotchAndTouchesNoSideOfIt) {
   EXPECT_GT(flight_.closestObstacle(), 0.0);
 }
 
+TEST(OrcaObstacles, FromInsideOneThatIsNotConvexNobodyGoesDeeper) {
+  core::RandomStream random(5, "inside");
+  const std::vector<Polygon> obstacles = {kAngle};
+  int inside = 0;
+  int wanted_deeper = 0;
+  for (int i = 0; i < 2000; ++i) {
+    core::EgoAgent ego = randomScene(random, 0, 4.0).ego;
+    ego.radius_m = 0.1;
+    if (core::distanceTo(kAngle, ego.position_world_m) >= -1e-6) {
+      continue;
+    }
+    ++inside;
+    const Vector2d way_out = core::nearestOnOutline(kAngle, ego.position_world_m) -
+                             ego.position_world_m;
+    wanted_deeper += way_out.dot(ego.goal_world_m - ego.position_world_m) < 0.0 ? 1 : 0;
+    core::Surroundings around;
+    around.obstacles = obstacles;
+    const Decision decision = makeOrca({})->decide(ego, around);
+    const double direction_rad = ego.heading_world_rad + decision.heading_change_rad;
+    const Vector2d velocity =
+        decision.speed_mps * Vector2d(std::cos(direction_rad), std::sin(direction_rad));
+    EXPECT_GE(velocity.dot(way_out.normalized()), -1e-9) << i;
+  }
+  EXPECT_GT(inside, 100);
+  EXPECT_GT(wanted_deeper, 50);
+}
+
+TEST_F(OrcaAmongObstacles, ComesOutOfOneThatIsNotConvexTheShortestWay) {
+  flight_.obstacles = {kAngle};
+  add({2.2, 2.0}, {-1.0, 2.0});   // to the notch's side
+  add({0.5, 0.3}, {0.5, -2.0});   // through the foot
+  add({2.2, 0.8}, {0.5, 2.5});    // by the corner in the notch
+  flight_.flyFor(60.0);
+  EXPECT_TRUE(flight_.allArrived());
+}
+
 TEST_F(OrcaAmongObstacles, IsNotPushedIntoAWallByACrowd) {
   flight_.obstacles = {rectangle(-6.0, -2.0, 6.0, -0.6), rectangle(-6.0, 2.0, 6.0, 4.0)};
   add({0.0, 0.0}, {0.0, 0.0});
