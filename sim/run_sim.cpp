@@ -26,7 +26,7 @@ void logReport(const SimNode& node, Clock::time_point begin) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   spdlog::info(
       "{} frames ({} skipped), {:.2f} s of data in {:.2f} s of wall clock ({:.1f} x real time), "
-      "{} collisions of bodies in truth ({:.2f} s), closest {:.3f} m, {} messages refused",
+      "{} collisions in truth ({:.2f} s), closest {:.3f} m, {} messages refused",
       report.frames, report.skipped_frames, report.data_time_s, wall_s, report.data_time_s / wall_s,
       report.contacts, report.contact_s, report.closest_m, report.refused_messages);
 }

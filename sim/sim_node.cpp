@@ -125,9 +125,11 @@ void SimNode::logNewContacts() {
   const auto contacts = world_.contacts().all();
   for (; logged_contacts_ < contacts.size(); ++logged_contacts_) {
     const Contact& contact = contacts[logged_contacts_];
-    spdlog::warn(
-        "{} and {} touch {:.2f} s after the first frame", experiment_.vehicles[contact.first].name,
-        experiment_.vehicles[contact.second].name, core::toSeconds(contact.begin - first_utime_));
+    spdlog::warn("{} and {} touch {:.2f} s after the first frame",
+                 experiment_.vehicles[contact.first].name,
+                 contact.with_obstacle ? "obstacle " + experiment_.obstacles[contact.second].name
+                                       : experiment_.vehicles[contact.second].name,
+                 core::toSeconds(contact.begin - first_utime_));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/config/obstacles.h"
 #include "sim/dynamics/table.h"
 #include "sim/start_places.h"
 
@@ -22,7 +23,7 @@ std::vector<double> bodyRadii(const config::Experiment& experiment) {
 World::World(const config::Experiment& experiment, core::Utime start_utime)
     : now_(start_utime),
       step_us_(core::toUtime(experiment.sim.step_s)),
-      contacts_(bodyRadii(experiment)) {
+      contacts_(bodyRadii(experiment), config::outlinesOf(experiment.obstacles)) {
   const std::vector<config::Start> starts = startPlaces(experiment);
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     const config::Vehicle& vehicle = experiment.vehicles[i];

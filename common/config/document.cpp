@@ -1,10 +1,15 @@
 #include "common/config/document.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -99,6 +104,17 @@ YAML::Node with(const YAML::Node& node, std::span<const std::string> steps, cons
 }
 
 }  // namespace
+
+std::string textOfFile(const std::string& path, const std::string& what) {
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path)) {
+    throw core::StartupError(path, what, "a file that can be read",
+                             file ? "a folder" : std::strerror(errno));
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
 
 std::string found(const YAML::Node& node) {
   if (!node.IsDefined() || node.IsNull()) {

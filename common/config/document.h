@@ -43,6 +43,9 @@ class Document {
   std::vector<Override> overrides_;
 };
 
+/// The text of a file. Throws core::StartupError(path, what, ...) if it cannot be read.
+std::string textOfFile(const std::string& path, const std::string& what);
+
 /// What stands there, in a few words: "fast" in quotes, "a list of 3", "a map", "nothing".
 std::string found(const YAML::Node& node);
 

@@ -1,10 +1,6 @@
 #include "common/config/experiment_file.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "common/config/checks.h"
 #include "common/config/document.h"
@@ -12,7 +8,6 @@
 #include "common/config/points_file.h"
 #include "common/config/reader.h"
 #include "common/config/writer.h"
-#include "common/core/error.h"
 
 namespace roundabout::config {
 
@@ -48,16 +43,7 @@ void readPointsFiles(Experiment& experiment, const std::filesystem::path& folder
 }  // namespace
 
 Experiment readExperiment(const std::string& path, const std::vector<std::string>& overrides) {
-  std::ifstream file(path);
-  if (!file) {
-    throw core::StartupError(path, "experiment", "a file that can be read", std::strerror(errno));
-  }
-  if (std::filesystem::is_directory(path)) {
-    throw core::StartupError(path, "experiment", "a file that can be read", "a folder");
-  }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parseExperiment(text.str(), path, overrides);
+  return parseExperiment(textOfFile(path, "experiment"), path, overrides);
 }
 
 Experiment parseExperiment(const std::string& yaml, const std::string& name,
@@ -74,7 +60,7 @@ Experiment parseExperiment(const std::string& yaml, const std::string& name,
   reader.finish();
 
   readPointsFiles(experiment, std::filesystem::path(name).parent_path(), refuse);
-  orientObstacles(experiment);
+  orientObstacles(experiment.obstacles);
   fillHeights(experiment, refuse);
   checkConsistency(experiment, refuse);
   experiment.planner.policy = withAbsoluteWeights(experiment.planner.policy,

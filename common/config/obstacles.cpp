@@ -1,9 +1,12 @@
 #include "common/config/obstacles.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/document.h"
+#include "common/config/reader.h"
 #include "common/config/spacing.h"
 #include "common/config/words.h"
 #include "common/core/polygon.h"
@@ -12,8 +15,19 @@ namespace roundabout::config {
 
 namespace {
 
-void checkCorners(const Room& room, const Obstacle& obstacle, const std::string& path,
-                  const Refuse& refuse) {
+struct ObstacleFile {
+  std::vector<Obstacle> obstacles;
+};
+
+template <class Visitor>
+void describe(Visitor& visit, ObstacleFile& file) {
+  visit("obstacles", file.obstacles);
+}
+
+std::string pathOf(std::size_t obstacle) { return fmt::format("obstacles[{}]", obstacle); }
+
+void checkInRoom(const Room& room, const Obstacle& obstacle, const std::string& path,
+                 const Refuse& refuse) {
   for (std::size_t i = 0; i < obstacle.points_m.size(); ++i) {
     const Eigen::Vector2d& corner = obstacle.points_m[i];
     const bool inside = (corner.array() >= room.min_m.head<2>().array()).all() &&
@@ -24,13 +38,6 @@ void checkCorners(const Room& room, const Obstacle& obstacle, const std::string&
                          room.max_m.x(), room.min_m.y(), room.max_m.y()),
              fmt::format("[{}, {}]", corner.x(), corner.y()));
     }
-  }
-  if (obstacle.points_m.size() < 3) {
-    refuse(path + ".points_m", "at least 3 corners", fmt::format("{}", obstacle.points_m.size()));
-  }
-  if (!core::isSimple(obstacle.points_m)) {
-    refuse(path + ".points_m", "the corners of a polygon, in their order along its outline",
-           "sides that touch or cross each other");
   }
 }
 
@@ -54,30 +61,68 @@ void checkStarts(const Experiment& experiment, const Obstacle& obstacle, const R
 
 }  // namespace
 
-void orientObstacles(Experiment& experiment) {
-  for (Obstacle& obstacle : experiment.obstacles) {
+void orientObstacles(std::vector<Obstacle>& obstacles) {
+  for (Obstacle& obstacle : obstacles) {
     if (core::signedArea(obstacle.points_m) < 0.0) {
       std::reverse(obstacle.points_m.begin(), obstacle.points_m.end());
     }
   }
 }
 
-void checkObstacles(const Experiment& experiment, const Refuse& refuse) {
-  for (std::size_t i = 0; i < experiment.obstacles.size(); ++i) {
-    const Obstacle& obstacle = experiment.obstacles[i];
-    const std::string path = fmt::format("obstacles[{}]", i);
+void checkOutlines(const std::vector<Obstacle>& obstacles, const Refuse& refuse) {
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const Obstacle& obstacle = obstacles[i];
     if (obstacle.name.empty()) {
-      refuse(path + ".name", "letters, digits and underscore", "nothing");
+      refuse(pathOf(i) + ".name", "letters, digits and underscore", "nothing");
     }
     for (std::size_t j = 0; j < i; ++j) {
-      if (experiment.obstacles[j].name == obstacle.name) {
-        refuse(path + ".name", "a name of its own",
-               fmt::format("{}, which is obstacles[{}]'s", quoted(obstacle.name), j));
+      if (obstacles[j].name == obstacle.name) {
+        refuse(pathOf(i) + ".name", "a name of its own",
+               fmt::format("{}, which is {}'s", quoted(obstacle.name), pathOf(j)));
       }
     }
-    checkCorners(experiment.room, obstacle, path, refuse);
-    checkStarts(experiment, obstacle, refuse);
+    if (obstacle.points_m.size() < 3) {
+      refuse(pathOf(i) + ".points_m", "at least 3 corners",
+             fmt::format("{}", obstacle.points_m.size()));
+    }
+    if (!core::isSimple(obstacle.points_m)) {
+      refuse(pathOf(i) + ".points_m", "the corners of a polygon, in their order along its outline",
+             "sides that touch or cross each other");
+    }
   }
+}
+
+void checkObstacles(const Experiment& experiment, const Refuse& refuse) {
+  checkOutlines(experiment.obstacles, refuse);
+  for (std::size_t i = 0; i < experiment.obstacles.size(); ++i) {
+    checkInRoom(experiment.room, experiment.obstacles[i], pathOf(i), refuse);
+    checkStarts(experiment, experiment.obstacles[i], refuse);
+  }
+}
+
+std::vector<Obstacle> readObstacles(const std::string& path) {
+  const Document document(textOfFile(path, "obstacles"), path, {});
+  ObstacleFile file;
+  Reader reader(document, document.root(), "");
+  describe(reader, file);
+  reader.finish();
+  if (file.obstacles.empty()) {
+    document.fail("obstacles", "at least one", "none");
+  }
+  orientObstacles(file.obstacles);
+  checkOutlines(file.obstacles, [&](const std::string& key, const std::string& expected,
+                                    const std::string& found) {
+    document.fail(key, expected, found);
+  });
+  return std::move(file.obstacles);
+}
+
+std::vector<core::Polygon> outlinesOf(const std::vector<Obstacle>& obstacles) {
+  std::vector<core::Polygon> outlines;
+  for (const Obstacle& obstacle : obstacles) {
+    outlines.push_back(obstacle.points_m);
+  }
+  return outlines;
 }
 
 }  // namespace roundabout::config

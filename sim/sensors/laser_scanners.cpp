@@ -1,14 +1,13 @@
 #include "sim/sensors/laser_scanners.h"
 
+#include "common/config/obstacles.h"
 #include "common/core/vehicle_state.h"
 
 namespace roundabout::sim {
 
 LaserScanners::LaserScanners(const config::Experiment& experiment)
-    : room_(experiment.room.min_m.head<2>(), experiment.room.max_m.head<2>()) {
-  for (const config::Obstacle& obstacle : experiment.obstacles) {
-    obstacles_.push_back(obstacle.points_m);
-  }
+    : obstacles_(config::outlinesOf(experiment.obstacles)),
+      room_(experiment.room.min_m.head<2>(), experiment.room.max_m.head<2>()) {
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     const config::Vehicle& vehicle = experiment.vehicles[i];
     radii_m_.push_back(vehicle.body_radius_m);

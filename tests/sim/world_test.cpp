@@ -113,6 +113,33 @@ TEST(Contacts, KeepsPairsApart) {
   EXPECT_EQ(contacts.all()[1].second, 2U);
 }
 
+TEST(Contacts, WithObstaclesCountToo) {
+  const core::Polygon box = {{1.0, -1.0}, {2.0, -1.0}, {2.0, 1.0}, {1.0, 1.0}};
+  const core::Polygon far_box = {{9.0, -1.0}, {9.5, -1.0}, {9.5, 1.0}, {9.0, 1.0}};
+  Contacts contacts({0.35, 0.35}, {far_box, box});
+  core::Utime now = 0;
+  for (const double x_m : {0.0, 0.7, 1.5, 0.6, 0.7}) {
+    const BodyState bodies[] = {at(5.0), at(x_m)};
+    contacts.update(now += 5000, 5000, bodies);
+  }
+  ASSERT_EQ(contacts.all().size(), 2U);
+  EXPECT_EQ(contacts.all()[0].first, 1U);
+  EXPECT_EQ(contacts.all()[0].second, 1U);
+  EXPECT_TRUE(contacts.all()[0].with_obstacle);
+  EXPECT_EQ(contacts.all()[0].duration_us, 10'000);
+  EXPECT_NEAR(contacts.closestM(), -0.85, 1e-12) << "its centre inside, half a metre deep";
+}
+
+TEST(World, KnowsTheExperimentsObstacles) {
+  config::Experiment experiment = vehicles(1);
+  experiment.vehicles[0].start = config::Start{{0.0, 0.0}, 0.0};
+  experiment.obstacles = {{"box", {{0.3, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {0.3, 1.0}}}};
+  World world(experiment, kBegin);
+  world.step();
+  ASSERT_EQ(world.contacts().all().size(), 1U);
+  EXPECT_TRUE(world.contacts().all()[0].with_obstacle);
+}
+
 TEST(World, CountsTimeInWholeSteps) {
   World world(vehicles(1), kBegin);
   for (int i = 0; i < 200; ++i) {

@@ -1,18 +1,13 @@
 #include "planner/policy_tools/gates/scene.h"
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/config/document.h"
 #include "common/config/reader.h"
-#include "common/core/error.h"
 
 namespace roundabout::planner {
 
@@ -65,17 +60,6 @@ void describe(Visitor& visit, SceneFile& file) {
   visit("others", file.others);
 }
 
-std::string contentOf(const std::string& path) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) {
-    throw core::StartupError(path, "scene", "a file that can be read",
-                             file ? "a folder" : std::strerror(errno));
-  }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 void requirePlace(const config::Document& document, const std::string& path,
                   const Vector2d& place_m) {
   if (!place_m.allFinite()) {
@@ -109,7 +93,7 @@ core::EgoAgent agentOf(const SceneEgo& ego) {
 }  // namespace
 
 GateScene readGateScene(const std::string& path) {
-  const config::Document document(contentOf(path), path, {});
+  const config::Document document(config::textOfFile(path, "scene"), path, {});
   SceneFile file;
   config::Reader reader(document, document.root(), "");
   describe(reader, file);
