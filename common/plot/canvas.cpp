@@ -47,8 +47,9 @@ void beginPage(GnuplotScript& script, const CanvasSize& size, bool bitmap,
 void beginAnimation(GnuplotScript& script, const CanvasSize& size, int frames_per_second,
                     const std::filesystem::path& file, const std::string& title) {
   reset(script);
+  // Not optimized: that leaves every frame the colours of the first one.
   script.line(
-      "set terminal gif animate delay {} loop 0 optimize noenhanced size {},{} font \",10\"",
+      "set terminal gif animate delay {} loop 0 nooptimize noenhanced size {},{} font \",10\"",
       100 / frames_per_second, size.width, size.height);
   script.line("set output {}", gnuplotString(file.string()));
   setLook(script, title);

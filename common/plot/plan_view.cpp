@@ -11,7 +11,7 @@ namespace {
 // Pixels.
 constexpr double kPlot = 460.0;
 constexpr int kMinWidth = 330;
-constexpr int kLeft = 60;
+constexpr int kLeft = 72;
 constexpr int kRight = 110;
 constexpr int kTop = 50;
 constexpr int kBottom = 80;
@@ -69,6 +69,15 @@ std::vector<std::string> starRows(const Eigen::Vector2d& centre, double radius_m
     rows.push_back(fmt::format("{:.4f} {:.4f}", centre.x() + reach_m * std::cos(angle_rad),
                                centre.y() + reach_m * std::sin(angle_rad)));
   }
+  return rows;
+}
+
+std::vector<std::string> outlineRows(const std::vector<Eigen::Vector2d>& corners_m) {
+  std::vector<std::string> rows;
+  for (const Eigen::Vector2d& corner : corners_m) {
+    rows.push_back(fmt::format("{:.3f} {:.3f}", corner.x(), corner.y()));
+  }
+  rows.push_back(rows.front());
   return rows;
 }
 

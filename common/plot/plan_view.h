@@ -32,4 +32,9 @@ class PlanView {
 /// The outline of a five-pointed star.
 std::vector<std::string> starRows(const Eigen::Vector2d& centre, double radius_m);
 
+/// A polygon, drawn with kObstacleStyle.
+std::vector<std::string> outlineRows(const std::vector<Eigen::Vector2d>& corners_m);
+inline constexpr const char* kObstacleStyle =
+    "with filledcurves closed fc rgb \"#9aa3ad\" fs solid border lc rgb \"#555555\" notitle";
+
 }  // namespace roundabout::plot

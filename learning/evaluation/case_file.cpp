@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string_view>
@@ -19,16 +20,22 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kColumns{"case",   "agent",  "start_x", "start_y",
                                                    "goal_x", "goal_y", "radius",  "pref_speed"};
+constexpr double kLongest_s = 3600.0;  // straight to the goal
 using Row = std::array<double, kColumns.size()>;
 
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // as spreadsheets write it
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r";
+  const std::size_t begin = std::min(text.find_first_not_of(kBlanks), text.size());
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
+
 std::vector<std::string_view> cellsOf(std::string_view line) {
-  if (line.ends_with('\r')) {
-    line.remove_suffix(1);
-  }
   std::vector<std::string_view> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.push_back(line.substr(begin, end - begin));
+    cells.push_back(trimmed(line.substr(begin, end - begin)));
     begin = end + 1;
   }
   return cells;
@@ -37,8 +44,9 @@ std::vector<std::string_view> cellsOf(std::string_view line) {
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path), in_(path) {
-    if (!in_) {
-      throw core::StartupError(path_, "test cases", "a file that can be read", "none");
+    if (!in_ || std::filesystem::is_directory(path_)) {
+      throw core::StartupError(path_, "test cases", "a file that can be read",
+                               in_ ? "a folder" : "none");
     }
   }
 
@@ -47,7 +55,9 @@ class Reader {
     std::vector<TestCase> cases;
     while (std::getline(in_, line_)) {
       ++number_;
-      add(parse(), cases);
+      if (!trimmed(line_).empty()) {
+        add(parse(), cases);
+      }
     }
     if (cases.empty()) {
       fail("rows", "at least one agent", "none");
@@ -58,6 +68,9 @@ class Reader {
  private:
   void readTitles() {
     std::getline(in_, line_);
+    if (line_.starts_with(kByteOrderMark)) {
+      line_.erase(0, kByteOrderMark.size());
+    }
     const std::vector<std::string_view> titles = cellsOf(line_);
     if (!std::equal(titles.begin(), titles.end(), kColumns.begin(), kColumns.end())) {
       fail("columns", fmt::format("\"{}\"", fmt::join(kColumns, ",")), config::quoted(line_));
@@ -82,6 +95,11 @@ class Reader {
       if (row[positive] <= 0.0) {
         fail(kColumns[positive], "a number above 0", fmt::format("{}", row[positive]));
       }
+    }
+    const double straight_s = std::hypot(row[4] - row[2], row[5] - row[3]) / row[7];
+    if (straight_s > kLongest_s) {
+      fail("row", fmt::format("a goal within {} s at preferred speed", kLongest_s),
+           fmt::format("{:g} s", straight_s));
     }
     return row;
   }
@@ -119,6 +137,10 @@ class Reader {
 
 std::string agentsText(std::size_t count) {
   return fmt::format("{} agent{}", count, count == 1 ? "" : "s");
+}
+
+std::string casesText(std::size_t count) {
+  return fmt::format("{} case{}", count, count == 1 ? "" : "s");
 }
 
 std::vector<CaseGroup> readCaseFile(const std::string& path) {

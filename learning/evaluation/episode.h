@@ -26,7 +26,7 @@ struct EpisodeResult {
   Outcome outcome = Outcome::kStuck;
   int steps = 0;                      ///< until the last agent was done
   double mean_extra_time_s = 0.0;     ///< over the agents that arrived; NaN: none did
-  double closest_separation_m = 0.0;  ///< between edges, over all pairs and steps
+  double closest_separation_m = 0.0;  ///< between edges of agents and obstacles, over all steps
   long decisions = 0;                 ///< policy queries
   /// Decisions by the layer of the shield that changed them, in the order of
   /// planner::shield::Layer.

@@ -36,7 +36,7 @@ class EpisodeRecord {
   std::size_t size() const { return agents_.size(); }
   Agent& operator[](std::size_t agent) { return agents_[agent]; }
   const Agent& operator[](std::size_t agent) const { return agents_[agent]; }
-  /// Between the edges of two agents.
+  /// Between the edges of two agents, or of an agent and an obstacle.
   void noteGap(double gap_m) { closest_m_ = std::min(closest_m_, gap_m); }
   void noteDecision() { ++decisions_; }
   void noteLayer(planner::shield::Layer layer) { ++layers_[static_cast<std::size_t>(layer)]; }

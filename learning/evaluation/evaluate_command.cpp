@@ -4,7 +4,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -13,20 +12,21 @@
 #include <unistd.h>
 
 #include "common/app/stop_signal.h"
+#include "common/config/obstacles.h"
 #include "common/config/words.h"
 #include "common/core/error.h"
 #include "learning/evaluation/case_file.h"
 #include "learning/evaluation/figures.h"
 #include "learning/evaluation/generate.h"
+#include "learning/evaluation/obstacle_course.h"
 #include "learning/evaluation/results_folder.h"
+#include "learning/evaluation/run_description.h"
 #include "learning/evaluation/summary.h"
 #include "planner/policies/table.h"
 
 namespace roundabout::learning {
 
 namespace {
-
-using nlohmann::json;
 
 constexpr int kInterrupted = 130;
 
@@ -35,6 +35,7 @@ struct Options {
   std::string suite;
   std::string case_file;
   std::string generate;
+  std::string obstacle_file;
   GeneratorSettings generator;
   int count = 100;
   std::uint64_t seed = 1;
@@ -74,26 +75,43 @@ Contestant makeContestant(const std::string& specification, const Rules& rules,
                           const std::string& where) {
   planner::PolicyOptions options;
   options.orca = rules.orca;
+  options.with_value = false;
   options.where = where;
   return {specification, planner::makePolicy(specification, options), false};
 }
 
-Suite casesOf(const Options& options) {
-  if (!options.suite.empty()) {
-    return makeSuite(options.suite);
+void requireOrder(const char* option, double min, double max) {
+  if (min > max) {
+    throw core::StartupError("evaluate", option, "MIN MAX", fmt::format("{} {}", min, max));
   }
-  if (!options.case_file.empty()) {
-    return {std::filesystem::path(options.case_file).stem().string(),
-            readCaseFile(options.case_file),
-            {}};
+}
+
+Suite generated(const Options& options) {
+  GeneratorSettings settings = options.generator;
+  requireOrder("--radius", settings.min_radius_m, settings.max_radius_m);
+  requireOrder("--speed", settings.min_speed_mps, settings.max_speed_mps);
+  if (!options.obstacle_file.empty()) {
+    settings.obstacles = config::outlinesOf(config::readObstacles(options.obstacle_file));
   }
-  const std::string name =
-      fmt::format("{}, {}, seed {}", options.generate,
-                  agentsText(static_cast<std::size_t>(options.generator.agents)), options.seed);
-  return {name,
-          {{agentsText(static_cast<std::size_t>(options.generator.agents)),
-            generateCases(options.generate, options.generator, options.count, options.seed)}},
+  const std::string agents = agentsText(static_cast<std::size_t>(settings.agents));
+  return {fmt::format("{}, {}, seed {}", options.generate, agents, options.seed),
+          {{agents, generateCases(options.generate, settings, options.count, options.seed)}},
           {}};
+}
+
+Suite casesOf(const Options& options) {
+  if (!options.generate.empty()) {
+    return generated(options);
+  }
+  Suite suite = options.suite.empty()
+                    ? Suite{std::filesystem::path(options.case_file).stem().string(),
+                            readCaseFile(options.case_file),
+                            {}}
+                    : makeSuite(options.suite);
+  if (!options.obstacle_file.empty()) {
+    addObstacles(suite, options.obstacle_file);
+  }
+  return suite;
 }
 
 /// Of the cases to draw and to animate.
@@ -146,70 +164,11 @@ Evaluation prepare(const Options& options) {
                                options.mix_share, !options.mix_unshielded, options.seed});
   }
   evaluation.suite = casesOf(options);
+  checkObstacles(evaluation);
   checkNumbers(options, evaluation.suite);
   evaluation.rules.goal_distance_m =
       evaluation.suite.goal_distance_m.value_or(evaluation.rules.goal_distance_m);
   return evaluation;
-}
-
-/// FNV-1a.
-std::uint64_t hashOf(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char byte : bytes) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
-  }
-  return hash;
-}
-
-std::uint64_t hashOfCases(const Suite& suite) {
-  std::string text;
-  const auto add = [&](const Eigen::Vector2d& point) {
-    text += fmt::format("{} {} ", point.x(), point.y());
-  };
-  for (const CaseGroup& group : suite.groups) {
-    text += group.name + ":";
-    for (const TestCase& each : group.cases) {
-      for (const AgentSpec& agent : each.agents) {
-        add(agent.start_m);
-        add(agent.goal_m);
-        text += fmt::format("{} {} ", agent.radius_m, agent.preferred_speed_mps);
-      }
-      for (const auto& goals_m : each.later_goals_m) {
-        std::for_each(goals_m.begin(), goals_m.end(), add);
-      }
-    }
-  }
-  return hashOf(text);
-}
-
-/// A policy and what its weight file holds.
-json describePolicy(const std::string& specification) {
-  const std::size_t colon = specification.find(':');
-  if (colon == std::string::npos) {
-    return specification;
-  }
-  std::ifstream file(specification.substr(colon + 1), std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  return {{"policy", specification}, {"weights_hash", fmt::format("{:016x}", hashOf(bytes))}};
-}
-
-// What makes two runs the same.
-json describe(const Options& options, const Evaluation& evaluation) {
-  json policies = json::array();
-  for (const std::string& specification : options.policies) {
-    policies.push_back(describePolicy(specification));
-  }
-  return {{"policies", policies},
-          {"suite", evaluation.suite.name},
-          {"case_file", options.case_file},
-          {"cases", evaluation.casesPerContestant()},
-          {"cases_hash", fmt::format("{:016x}", hashOfCases(evaluation.suite))},
-          {"rules", {{"name", evaluation.rules.name}, {"text", evaluation.rules.sentences()}}},
-          {"mix", options.mix.empty() ? json(nullptr)
-                                      : json{describePolicy(options.mix), options.mix_share,
-                                             options.mix_unshielded}},
-          {"shield", options.shield},
-          {"seed", options.seed}};
 }
 
 std::string timeText(double seconds) {
@@ -297,7 +256,7 @@ int evaluate(const Options& options) {
   }
   app::StopSignal stop;
   const Evaluation evaluation = prepare(options);
-  ResultsFolder results(options.folder, describe(options, evaluation), options.resume, evaluation);
+  ResultsFolder results(options.folder, describeRun(evaluation), options.resume, evaluation);
 
   Progress progress(results.finished().size(), evaluation.cases());
   long decisions = 0;
@@ -336,16 +295,18 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
   command->add_option("--suite", options->suite, "Cases by name (--list)");
   command->add_option("--cases", options->case_file, "Cases from a CSV file");
   command->add_option("--generate", options->generate, "Generated cases of this kind (--list)");
+  command->add_option("--obstacles", options->obstacle_file,
+                      "YAML file of obstacles that stand in every case");
   command->add_option("--agents", options->generator.agents, "In each generated case")
       ->check(CLI::Range(1, 1000));
   command->add_option("--count", options->count, "Generated cases")->check(CLI::Range(1, 1000000));
   command
       ->add_option("--half-side", options->generator.half_side_m,
                    "m; generated places lie in a square of twice this")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.1, 1000.0));
   command->add_option("--radius", "MIN MAX, m, of generated agents")
       ->expected(2)
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(0.01, 100.0))
       ->each([options, first = true](const std::string& text) mutable {
         (first ? options->generator.min_radius_m : options->generator.max_radius_m) =
             std::stod(text);
@@ -353,7 +314,7 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
       });
   command->add_option("--speed", "MIN MAX, m/s, preferred by generated agents")
       ->expected(2)
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(0.05, 100.0))
       ->each([options, first = true](const std::string& text) mutable {
         (first ? options->generator.min_speed_mps : options->generator.max_speed_mps) =
             std::stod(text);

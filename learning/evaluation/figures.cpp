@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
@@ -10,6 +11,7 @@
 #include "common/plot/canvas.h"
 #include "common/plot/palette.h"
 #include "common/plot/plan_view.h"
+#include "common/plot/plot_command.h"
 #include "learning/evaluation/summary.h"
 
 namespace roundabout::learning {
@@ -20,11 +22,17 @@ using Eigen::Vector2d;
 using plot::Color;
 using plot::GnuplotScript;
 using plot::gnuplotString;
+using plot::PlotCommand;
 
 constexpr double kGroupWidth = 0.8;  // of the distance between groups, for all bars
+// Of the comparison, pixels; the key stands on the right.
+constexpr int kPageLeft = 95;
+constexpr int kPageRight = 340;
+constexpr double kLetter_px = 7.5;  // of a group's name
 constexpr double kStarRadius_m = 0.2;
 constexpr double kCirclesEvery_s = 0.4;
 constexpr double kTimesEvery_s = 2.0;
+constexpr double kTimesApart_m = 0.5;  // from that of the arrival
 constexpr int kFramesPerSecond = 10;
 constexpr int kHoldFrames = 10;  // at the end of an animation
 
@@ -50,26 +58,6 @@ std::string titleOf(const Evaluation& evaluation, std::size_t row) {
                      group.cases.size() > 1 ? fmt::format(", case {}", place.number) : "");
 }
 
-/// Collects the parts of one plot command.
-class Parts {
- public:
-  explicit Parts(GnuplotScript& script) : script_(script) {}
-
-  void add(const std::vector<std::string>& rows, const std::string& style) {
-    if (!rows.empty()) {
-      const std::string name = fmt::format("block{}", parts_.size());
-      script_.data(name, rows);
-      parts_.push_back(fmt::format("${} {}", name, style));
-    }
-  }
-
-  std::string command() const { return fmt::format("plot {}", fmt::join(parts_, ", \\\n     ")); }
-
- private:
-  GnuplotScript& script_;
-  std::vector<std::string> parts_;
-};
-
 /// Where a contestant's bar stands.
 double barAt(const Evaluation& evaluation, const Score& score) {
   const double bars = static_cast<double>(evaluation.contestants.size());
@@ -77,8 +65,9 @@ double barAt(const Evaluation& evaluation, const Score& score) {
   return static_cast<double>(score.group) + kGroupWidth * offset;
 }
 
-double barWidth(const Evaluation& evaluation) {
-  return 0.9 * kGroupWidth / static_cast<double>(evaluation.contestants.size());
+std::string barRow(const Evaluation& evaluation, const Score& score, double height) {
+  return fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score), height,
+                     0.9 * kGroupWidth / static_cast<double>(evaluation.contestants.size()));
 }
 
 /// Rows that one contestant adds to a panel.
@@ -100,55 +89,55 @@ std::string boxStyle(const Color& color, const std::string& title) {
 
 std::string failurePanel(GnuplotScript& script, const Evaluation& evaluation,
                          const std::vector<Score>& scores) {
-  Parts parts(script);
-  const double width = barWidth(evaluation);
+  PlotCommand parts(script);
   const std::size_t count = evaluation.contestants.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Color color = plot::vehicleColor(i, count);
-    // What got stuck lies, paler, on top of what collided.
-    parts.add(rowsOf(scores, i,
-                     [&](const Score& score) {
-                       return fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score),
-                                          100.0 * (score.collision_share + score.stuck_share),
-                                          width);
-                     }),
-              boxStyle(plot::mix(plot::kWhite, color, 0.45), ""));
-    parts.add(rowsOf(scores, i,
-                     [&](const Score& score) {
-                       return fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score),
-                                          100.0 * score.collision_share, width);
-                     }),
-              boxStyle(color, labelOf(evaluation, i)));
-  }
-  return parts.command();
-}
-
-std::string timePanel(GnuplotScript& script, const Evaluation& evaluation,
-                      const std::vector<Score>& scores) {
-  Parts parts(script);
-  const double width = barWidth(evaluation);
-  const std::size_t count = evaluation.contestants.size();
-  const auto row = [&](const Score& score, double time_s) {
-    return score.own.cases == 0
-               ? std::string()
-               : fmt::format("{:.4f} {:.4f} {:.4f}", barAt(evaluation, score), time_s, width);
+  const auto bars = [&](std::size_t contestant, auto percent) {
+    return rowsOf(scores, contestant,
+                  [&](const Score& score) { return barRow(evaluation, score, percent(score)); });
   };
   for (std::size_t i = 0; i < count; ++i) {
     const Color color = plot::vehicleColor(i, count);
-    parts.add(rowsOf(scores, i, [&](const Score& s) { return row(s, s.own.percentile90_s); }),
+    // What got stuck lies, paler, on top of what collided.
+    parts.add(bars(i, [](const Score& s) { return 100.0 * (s.collision_share + s.stuck_share); }),
+              boxStyle(plot::mix(plot::kWhite, color, 0.45), ""));
+    parts.add(bars(i, [](const Score& s) { return 100.0 * s.collision_share; }),
+              boxStyle(color, labelOf(evaluation, i)));
+  }
+  return parts.text();
+}
+
+/// Of groups of which a contestant solved no case there is nothing to see.
+std::string timePanel(GnuplotScript& script, const Evaluation& evaluation,
+                      const std::vector<Score>& scores) {
+  PlotCommand parts(script);
+  const std::size_t count = evaluation.contestants.size();
+  std::vector<Score> solved;
+  std::copy_if(scores.begin(), scores.end(), std::back_inserter(solved),
+               [](const Score& score) { return score.own.cases > 0; });
+  if (solved.empty()) {
+    return "set yrange [0:1]\nplot -1 notitle";
+  }
+  const auto bars = [&](std::size_t contestant, double ExtraTimes::*time_s) {
+    return rowsOf(solved, contestant,
+                  [&](const Score& score) { return barRow(evaluation, score, score.own.*time_s); });
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const Color color = plot::vehicleColor(i, count);
+    parts.add(bars(i, &ExtraTimes::percentile90_s),
               boxStyle(plot::mix(plot::kWhite, color, 0.3), ""));
-    parts.add(rowsOf(scores, i, [&](const Score& s) { return row(s, s.own.percentile75_s); }),
+    parts.add(bars(i, &ExtraTimes::percentile75_s),
               boxStyle(plot::mix(plot::kWhite, color, 0.6), ""));
-    parts.add(rowsOf(scores, i, [&](const Score& s) { return row(s, s.own.mean_s); }),
+    parts.add(bars(i, &ExtraTimes::mean_s),
               fmt::format("with points pt 7 ps 0.7 lc rgb \"{}\" notitle",
                           plot::hex(plot::mix(color, plot::kBlack, 0.4))));
   }
-  return parts.command();
+  return parts.text();
 }
 
 /// The way to one set of goals: who is where when.
 struct Motion {
   std::span<const AgentSpec> agents;
+  std::span<const core::Polygon> obstacles;
   std::vector<Vector2d> goals_m;
   Leg trace;
   double step_s;
@@ -166,8 +155,8 @@ std::vector<Motion> flyAgain(const Evaluation& evaluation, std::size_t row) {
       goals_m.push_back(motions.empty() ? test_case.agents[i].goal_m
                                         : test_case.later_goals_m[motions.size() - 1][i]);
     }
-    motions.push_back(
-        {test_case.agents, std::move(goals_m), std::move(leg), evaluation.rules.planning_step_s});
+    motions.push_back({test_case.agents, test_case.obstacles, std::move(goals_m), std::move(leg),
+                       evaluation.rules.planning_step_s});
   }
   return motions;
 }
@@ -179,9 +168,20 @@ void include(plot::PlanView& view, const Motion& motion) {
       view.include(points[i].position_m, motion.agents[i].radius_m);
     }
   }
+  for (const core::Polygon& obstacle : motion.obstacles) {
+    for (const Vector2d& corner : obstacle) {
+      view.include(corner, 0.0);
+    }
+  }
 }
 
-void addGoals(Parts& parts, const Motion& motion) {
+void addObstacles(PlotCommand& parts, const Motion& motion) {
+  for (const core::Polygon& obstacle : motion.obstacles) {
+    parts.add(plot::outlineRows(obstacle), plot::kObstacleStyle);
+  }
+}
+
+void addGoals(PlotCommand& parts, const Motion& motion) {
   const std::size_t count = motion.agents.size();
   for (std::size_t i = 0; i < count; ++i) {
     parts.add(plot::starRows(motion.goals_m[i], kStarRadius_m),
@@ -191,7 +191,7 @@ void addGoals(Parts& parts, const Motion& motion) {
   }
 }
 
-void addPaths(Parts& parts, const Motion& motion, std::size_t end) {
+void addPaths(PlotCommand& parts, const Motion& motion, std::size_t end) {
   const std::size_t count = motion.agents.size();
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<std::string> rows;
@@ -238,7 +238,11 @@ void drawLeg(GnuplotScript& script, const Motion& motion, const std::string& tit
       if (arrives || (!done && step % every == 0)) {
         circles.push_back(circleRow(motion, step, i, lightness));
       }
-      if (arrives || (!done && !crowded && step > 0 && step % labelled == 0)) {
+      const bool timed =
+          !done && !crowded && step > 0 && step % labelled == 0 &&
+          (motion.trace[step][i].position_m - motion.trace.back()[i].position_m).norm() >
+              kTimesApart_m;
+      if (arrives || timed) {
         const Vector2d& at = motion.trace[step][i].position_m;
         times.push_back(fmt::format("{:.3f} {:.3f} \"{:.1f}\"", at.x(), at.y(),
                                     static_cast<double>(step) * motion.step_s));
@@ -248,13 +252,14 @@ void drawLeg(GnuplotScript& script, const Motion& motion, const std::string& tit
       }
     }
   }
-  Parts parts(script);
+  PlotCommand parts(script);
+  addObstacles(parts, motion);
   parts.add(circles, kCircles);
   addPaths(parts, motion, motion.trace.size());
   addGoals(parts, motion);
   parts.add(crashes, "with points pt 2 ps 2.5 lw 2 lc rgb \"#d00000\" notitle");
   parts.add(times, "with labels font \",8\" tc rgb \"#222222\" notitle");
-  plot::endFigure(script, view.size(), {file + ".png", file + ".svg"}, parts.command());
+  plot::endFigure(script, view.size(), {file + ".png", file + ".svg"}, parts.text());
 }
 
 }  // namespace
@@ -264,9 +269,15 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
   GnuplotScript script;
   const std::size_t groups = evaluation.suite.groups.size();
   const plot::CanvasSize size{
-      static_cast<int>(std::clamp<std::size_t>(435 + 150 * groups, 900, 2400)), 640};
+      static_cast<int>(std::clamp<std::size_t>(kPageLeft + kPageRight + 150 * groups, 900, 2400)),
+      640};
   std::vector<std::string> names;
+  bool crowded = false;
   for (std::size_t i = 0; i < groups; ++i) {
+    const double room_px =
+        static_cast<double>(size.width - kPageLeft - kPageRight) / static_cast<double>(groups);
+    crowded = crowded ||
+              kLetter_px * static_cast<double>(evaluation.suite.groups[i].name.size()) > room_px;
     names.push_back(fmt::format("{} {}", gnuplotString(evaluation.suite.groups[i].name), i));
   }
   for (const bool bitmap : {true, false}) {
@@ -276,23 +287,22 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
                 gnuplotString(fmt::format("{}, rules \"{}\" (lower is better)",
                                           evaluation.suite.name, evaluation.rules.name)));
     script.line("set xrange [-0.6:{:.1f}]", static_cast<double>(groups) - 0.4);
-    script.line("set xtics ({}) {}", fmt::join(names, ", "),
-                groups > 8 ? "rotate by 25 right" : "");
+    script.line("set xtics ({}) {}", fmt::join(names, ", "), crowded ? "rotate by 25 right" : "");
     script.line("set yrange [0:*]");
-    script.line("set lmargin at screen {:.3f}", 95.0 / size.width);
-    script.line("set rmargin at screen {:.3f}", 1.0 - 340.0 / size.width);
+    script.line("set lmargin at screen {:.3f}", static_cast<double>(kPageLeft) / size.width);
+    script.line("set rmargin at screen {:.3f}", 1.0 - static_cast<double>(kPageRight) / size.width);
     script.line("set tmargin at screen 0.92");
-    script.line("set bmargin at screen 0.53");
+    script.line("set bmargin at screen {}", crowded ? 0.6 : 0.53);
     script.line(
         "set key at screen {:.3f}, screen 0.92 left top Left reverse noenhanced font \",9\"",
-        1.0 - 330.0 / size.width);
+        1.0 - (kPageRight - 10.0) / size.width);
     script.line("set ylabel \"failed: collision, stuck (paler)  %\"");
     script.line("{}", failurePanel(script, evaluation, scores));
-    script.line("set ylabel \"extra time: mean (dot), 75, 90 %  s\"");
+    script.line("set ylabel \"extra time: mean, 75, 90 %  s\"");
     script.line("set key off");
     script.line("unset label 1");
-    script.line("set tmargin at screen 0.45");
-    script.line("set bmargin at screen 0.1");
+    script.line("set tmargin at screen {}", crowded ? 0.43 : 0.45);
+    script.line("set bmargin at screen {}", crowded ? 0.14 : 0.1);
     script.line("{}", timePanel(script, evaluation, scores));
     script.line("unset multiplot");
     script.line("set output");
@@ -338,11 +348,12 @@ std::string animate(const Evaluation& evaluation, std::size_t row,
       for (std::size_t i = 0; i < motion.agents.size(); ++i) {
         circles.push_back(circleRow(motion, step, i, motion.trace[step][i].done ? 0.5 : 0.0));
       }
-      Parts parts(script);
+      PlotCommand parts(script);
+      addObstacles(parts, motion);
       addPaths(parts, motion, step + 1);
       addGoals(parts, motion);
       parts.add(circles, kCircles);
-      script.line("{}", parts.command());
+      script.line("{}", parts.text());
     }
     time_s += static_cast<double>(motion.trace.size() - 1) * motion.step_s;
   }

@@ -10,6 +10,7 @@
 
 #include "common/config/words.h"
 #include "common/core/error.h"
+#include "common/core/polygon.h"
 #include "common/core/random.h"
 
 namespace roundabout::learning {
@@ -30,6 +31,14 @@ bool keepsGaps(const AgentSpec& agent, std::span<const AgentSpec> earlier, doubl
     const double apart_m = agent.radius_m + other.radius_m + gap_m;
     return (agent.start_m - other.start_m).norm() >= apart_m &&
            (agent.goal_m - other.goal_m).norm() >= apart_m;
+  });
+}
+
+bool clearOf(std::span<const core::Polygon> obstacles, const AgentSpec& agent, double gap_m) {
+  return std::all_of(obstacles.begin(), obstacles.end(), [&](const core::Polygon& obstacle) {
+    const double apart_m = agent.radius_m + gap_m;
+    return core::distanceTo(obstacle, agent.start_m) >= apart_m &&
+           core::distanceTo(obstacle, agent.goal_m) >= apart_m;
   });
 }
 
@@ -125,22 +134,31 @@ class Generator {
     const auto meets = [&](const AgentSpec& other) {
       return conflict(spec, other, settings_.min_gap_m);
     };
-    return keepsGaps(spec, earlier, settings_.min_gap_m) &&
+    return keepsGaps(spec, earlier, settings_.min_gap_m) && isClear(spec) &&
            (spec.goal_m - spec.start_m).norm() > 0.5 * half_side_m &&
            (!settings_.force_interaction || earlier.empty() ||
             std::any_of(earlier.begin(), earlier.end(), meets));
   }
 
+  bool isClear(const AgentSpec& spec) const {
+    return clearOf(settings_.obstacles, spec, settings_.min_gap_m);
+  }
+
   void addSwap(TestCase& result) {
-    const double away_m = 1.5 + random_.uniform(0.0, 2.0);
-    for (const double side : {-1.0, 1.0}) {
-      if (result.agents.size() < static_cast<std::size_t>(settings_.agents)) {
-        AgentSpec spec = agent();
-        spec.start_m = {side * away_m, 0.0};
-        spec.goal_m = {-side * away_m, 0.0};
-        result.agents.push_back(spec);
+    do {
+      result.agents.clear();
+      const double away_m = 1.5 + random_.uniform(0.0, 2.0);
+      for (const double side : {-1.0, 1.0}) {
+        if (result.agents.size() < static_cast<std::size_t>(settings_.agents)) {
+          AgentSpec spec = agent();
+          spec.start_m = {side * away_m, 0.0};
+          spec.goal_m = {-side * away_m, 0.0};
+          result.agents.push_back(spec);
+        }
       }
-    }
+      countTry();
+    } while (!std::all_of(result.agents.begin(), result.agents.end(),
+                          [this](const AgentSpec& spec) { return isClear(spec); }));
   }
 
   void addCrossing(TestCase& result, const Vector2d& centre_m, double radius_m) {
@@ -151,7 +169,7 @@ class Generator {
         const Vector2d out = radius_m * Vector2d(std::cos(angle_rad), std::sin(angle_rad));
         spec.start_m = centre_m + out;
         spec.goal_m = centre_m - out;
-        if (keepsGaps(spec, result.agents, settings_.min_gap_m)) {
+        if (keepsGaps(spec, result.agents, settings_.min_gap_m) && isClear(spec)) {
           break;
         }
         radius_m *= tries % kTriesBeforeGrowth == 0 ? kGrowth : 1.0;
@@ -188,6 +206,7 @@ std::vector<TestCase> generateCases(const std::string& kind, const GeneratorSett
   for (int k = 0; k < count; ++k) {
     core::RandomStream random(seed, fmt::format("cases/{}/{}/{}", kind, settings.agents, k));
     cases.push_back(Generator(settings, random).make(kind));
+    cases.back().obstacles = settings.obstacles;
   }
   return cases;
 }

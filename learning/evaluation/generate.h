@@ -21,6 +21,7 @@ struct GeneratorSettings {
   double max_speed_mps = 1.5;
   double min_gap_m = 0.2;  ///< between edges at the start, and at the goals
   bool force_interaction = true;
+  std::vector<core::Polygon> obstacles;  ///< edges keep the gap from them too
 };
 
 /// Kinds of generated cases: "random", "circle", "swap", and "mixed" (70, 15 and 15 %).

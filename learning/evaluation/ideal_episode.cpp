@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/core/polygon.h"
 #include "learning/evaluation/episode_record.h"
 #include "sim/sensors/lidar.h"
 
@@ -26,6 +27,7 @@ class IdealEpisode {
  public:
   IdealEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew, Trace* trace)
       : rules_(rules),
+        obstacles_(test_case.obstacles),
         crew_(crew),
         policies_(crew.policies),
         record_(rules, test_case, trace),
@@ -59,6 +61,7 @@ class IdealEpisode {
       time_left_s_[i] = rules_.time_ratio * record_[i].straight_time_s;
     }
     forAllPairs([](std::size_t, std::size_t, double) {});
+    forAllBesideObstacles([](std::size_t, double) {});
     while (!record_.allDone()) {
       step();
     }
@@ -95,6 +98,7 @@ class IdealEpisode {
       others_.assign(around_.begin(), around_.end());
       others_.erase(others_.begin() + static_cast<std::ptrdiff_t>(i));
       core::Surroundings around(others_);
+      around.obstacles = obstacles_;
       if (policies_[i]->needsScan()) {
         around.scan = scanOf(i);
       }
@@ -141,7 +145,7 @@ class IdealEpisode {
     }
     const Vector2d wanted = velocityOf(actions_[i], agent.heading_world_rad);
     const planner::shield::ShieldDecision decision =
-        shields_[i].decide(ego, neighbours_, {}, wanted, record_[i].time_s);
+        shields_[i].decide(ego, neighbours_, {.obstacles = obstacles_}, wanted, record_[i].time_s);
     record_.noteLayer(decision.layer);
     const Vector2d& flown = decision.velocity_world_mps;
     if (flown == wanted) {
@@ -171,7 +175,8 @@ class IdealEpisode {
       discs_.push_back({other.position_world_m, other.radius_m});
     }
     const core::EgoAgent& ego = agents_[agent];
-    return lidar_.sweep(ego.position_world_m, ego.heading_world_rad, {.discs = discs_});
+    return lidar_.sweep(ego.position_world_m, ego.heading_world_rad,
+                        {.discs = discs_, .polygons = obstacles_});
   }
 
   void move(std::size_t i) {
@@ -202,6 +207,11 @@ class IdealEpisode {
         record_[j].collided = !record_[j].at_goal;
       }
     });
+    forAllBesideObstacles([this](std::size_t i, double distance_m) {
+      if (distance_m <= rules_.body_share * agents_[i].radius_m) {
+        record_[i].collided = !record_[i].at_goal;
+      }
+    });
   }
 
   template <class Visit>
@@ -217,7 +227,19 @@ class IdealEpisode {
     }
   }
 
+  template <class Visit>
+  void forAllBesideObstacles(Visit visit) {
+    for (const core::Polygon& obstacle : obstacles_) {
+      for (std::size_t i = 0; i < agents_.size(); ++i) {
+        const double distance_m = core::distanceTo(obstacle, agents_[i].position_world_m);
+        record_.noteGap(distance_m - agents_[i].radius_m);
+        visit(i, distance_m);
+      }
+    }
+  }
+
   const Rules& rules_;
+  std::span<const core::Polygon> obstacles_;
   Crew crew_;
   std::span<const std::unique_ptr<planner::Policy>> policies_;
   std::vector<planner::shield::Shield> shields_;  // of every agent, whether it is asked or not

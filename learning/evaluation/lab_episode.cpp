@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/core/polygon.h"
 #include "learning/evaluation/episode_record.h"
 #include "planner/planner_core.h"
 #include "sim/mocap_model.h"
@@ -56,6 +57,11 @@ config::Experiment describe(const Rules& rules, const TestCase& test_case, Polic
   }
   for (const std::vector<Vector2d>& goals_m : test_case.later_goals_m) {
     std::for_each(goals_m.begin(), goals_m.end(), include);
+  }
+  for (const core::Polygon& obstacle : test_case.obstacles) {
+    std::for_each(obstacle.begin(), obstacle.end(), include);
+    experiment.obstacles.push_back(
+        {fmt::format("obstacle{}", experiment.obstacles.size()), obstacle});
   }
   experiment.room.min_m << low.array() - kRoomMargin_m, 0.0;
   experiment.room.max_m << high.array() + kRoomMargin_m, 4.0;
@@ -153,19 +159,29 @@ class LabEpisode {
 
   void noteSeparation() {
     for (std::size_t i = 0; i < record_.size(); ++i) {
+      const config::Vehicle& a = experiment_.vehicles[i];
       for (std::size_t j = i + 1; j < record_.size(); ++j) {
         const double distance_m = (positionOf(i) - positionOf(j)).norm();
-        const config::Vehicle& a = experiment_.vehicles[i];
         const config::Vehicle& b = experiment_.vehicles[j];
         record_.noteGap(distance_m - a.assumed_radius_m - b.assumed_radius_m);
         if (distance_m <= a.body_radius_m + b.body_radius_m) {
-          for (const std::size_t agent : {i, j}) {
-            touched_[agent] = true;
-            record_[agent].collided = true;
-          }
+          noteTouch(i);
+          noteTouch(j);
+        }
+      }
+      for (const config::Obstacle& obstacle : experiment_.obstacles) {
+        const double distance_m = core::distanceTo(obstacle.points_m, positionOf(i));
+        record_.noteGap(distance_m - a.assumed_radius_m);
+        if (distance_m <= a.body_radius_m) {
+          noteTouch(i);
         }
       }
     }
+  }
+
+  void noteTouch(std::size_t agent) {
+    touched_[agent] = true;
+    record_[agent].collided = true;
   }
 
   void judge(double time_s) {

@@ -74,6 +74,20 @@ bool parseRow(const std::string& line, const std::string& key, EpisodeResult& re
          layers;
 }
 
+/// "none", or "one with other policies, rules"
+std::string differenceOf(const nlohmann::json& before, const nlohmann::json& run) {
+  if (!before.is_object()) {
+    return "none";
+  }
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : run.items()) {
+    if (!before.contains(key) || before[key] != value) {
+      keys.push_back(key);
+    }
+  }
+  return fmt::format("one with other {}", fmt::join(keys, ", "));
+}
+
 }  // namespace
 
 ResultsFolder::ResultsFolder(const fs::path& folder, const nlohmann::json& run, bool resume,
@@ -91,7 +105,7 @@ ResultsFolder::ResultsFolder(const fs::path& folder, const nlohmann::json& run, 
     const nlohmann::json before = nlohmann::json::parse(in, nullptr, false);
     if (before != run) {
       throw core::StartupError(run_file.string(), "--resume", "the run that was asked for",
-                               before.is_discarded() ? "none" : "another one");
+                               differenceOf(before, run));
     }
     readFinished(evaluation);
   }

@@ -61,6 +61,10 @@ std::vector<std::string> Rules::sentences() const {
           : fmt::format("Collision: centres no farther apart than {} of the sum of the radii that "
                         "policies see, at any time since the take-off, arrived or not.",
                         body_share));
+  all.push_back(fmt::format(
+      "Obstacles, where there are some, stand: a collision is a centre no farther from one than {}"
+      "the radius, and separations count them.",
+      body_share == 1.0 ? "" : fmt::format("{} of ", body_share)));
   all.push_back(
       fmt::format("Straight-line time: (distance from start to goal - {} m) / preferred "
                   "speed. Stuck: not arrived after {} times that.",

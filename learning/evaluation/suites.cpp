@@ -119,6 +119,44 @@ Suite presets() {
   return suite;
 }
 
+core::Polygon box(double min_x, double min_y, double max_x, double max_y) {
+  return {{min_x, min_y}, {max_x, min_y}, {max_x, max_y}, {min_x, max_y}};
+}
+
+Suite obstacles() {
+  Suite suite{"obstacles", {}, {}};
+  const auto add = [&](const std::string& name, std::vector<AgentSpec> agents,
+                       std::vector<core::Polygon> polygons) {
+    suite.groups.push_back({name, {TestCase{std::move(agents), {}, std::move(polygons)}}});
+  };
+  const core::Polygon middle = box(-0.5, -0.5, 0.5, 0.5);
+  add("alone round a box", {agent(-4, 0, 4, 0, 1.0, 0.3)}, {middle});
+  add("swap of two round a box", {agent(-4, 0, 4, 0, 1.0, 0.3), agent(4, 0, -4, 0, 1.0, 0.3)},
+      {middle});
+  add("swap of four round a box",
+      {agent(-4, 0, 4, 0, 1.0, 0.3), agent(4, 0, -4, 0, 1.0, 0.3), agent(0, -4, 0, 4, 1.0, 0.3),
+       agent(0, 4, 0, -4, 1.0, 0.3)},
+      {middle});
+  const std::vector<core::Polygon> walls{box(-3, 1.2, 3, 1.5), box(-3, -1.5, 3, -1.2)};
+  add("along a corridor", {agent(-5, 0.5, 5, 0.5, 1.0, 0.3), agent(-5, -0.5, 5, -0.5, 0.6, 0.3)},
+      walls);
+  add("meeting in a corridor", {agent(-5, 0, 5, 0, 1.0, 0.3), agent(5, 0, -5, 0, 1.0, 0.3)}, walls);
+  add("one doorway, one way",
+      {agent(-3, 0.5, 3, 0.5, 1.0, 0.3), agent(-3, -0.5, 3, -0.5, 1.0, 0.3)},
+      {box(-0.1, 0.7, 0.1, 4), box(-0.1, -4, 0.1, -0.7)});
+  add("round an angle", {agent(4, -2, 1, 3, 1.0, 0.3), agent(-3, -1.5, 3, 0, 1.0, 0.3)},
+      {{{-1, -1}, {2, -1}, {2, 2}, {1, 2}, {1, 0}, {-1, 0}}});
+  GeneratorSettings settings;
+  settings.max_radius_m = 0.4;
+  for (const double x : {-2.5, 0.0, 2.5}) {
+    for (const double y : {-2.5, 0.0, 2.5}) {
+      settings.obstacles.push_back(box(x - 0.25, y - 0.25, x + 0.25, y + 0.25));
+    }
+  }
+  suite.groups.push_back({"4 agents, nine pillars", generateCases("random", settings, 100, kSeed)});
+  return suite;
+}
+
 // The paper's letters, in the order in which they are spelled.
 const std::array<std::vector<Vector2d>, 5>& letters() {
   static const std::array<std::vector<Vector2d>, 5> kLetters{
@@ -162,6 +200,10 @@ constexpr std::array kSuites = {
                crowd},
     SuiteEntry{"presets",
                "pairs, crossings, lanes, swaps and circles by name (paper: trajectories)", presets},
+    SuiteEntry{"obstacles",
+               "boxes, corridors, a doorway and 100 cases among pillars; for policies that avoid "
+               "obstacles",
+               obstacles},
     SuiteEntry{"formation",
                "six agents spell C A D R L, 100 random assignments (paper: formation control)",
                formation},

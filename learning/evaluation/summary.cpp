@@ -6,6 +6,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "learning/evaluation/case_file.h"
+
 namespace roundabout::learning {
 
 namespace {
@@ -16,6 +18,14 @@ std::string timesText(const ExtraTimes& times) {
   return times.cases == 0 ? "-"
                           : fmt::format("{:.3f} / {:.3f} / {:.3f}", times.mean_s,
                                         times.percentile75_s, times.percentile90_s);
+}
+
+/// One agent without obstacles is apart from nothing.
+std::string separationText(const Score& score) {
+  return std::isfinite(score.closest_separation_m)
+             ? fmt::format("{:.3f} {:>7.3f}", score.closest_separation_m,
+                           score.mean_closest_separation_m)
+             : "-";
 }
 
 json timesJson(const ExtraTimes& times) {
@@ -97,16 +107,15 @@ std::string summaryText(const Evaluation& evaluation, const std::vector<Score>& 
   for (const Score& score : scores) {
     if (score.group != group) {
       group = score.group;
-      text += fmt::format("\n{}, {} cases\n{:<{}}  {:>9}  {:>11}  {:>7}  {:<23}  {:<23}  {:>14}\n",
-                          evaluation.suite.groups[group].name, score.cases, "policy", width,
-                          "success %", "collision %", "stuck %", "extra s: own successes",
+      text += fmt::format("\n{}, {}\n{:<{}}  {:>9}  {:>11}  {:>7}  {:<23}  {:<23}  {:>14}\n",
+                          evaluation.suite.groups[group].name, casesText(score.cases), "policy",
+                          width, "success %", "collision %", "stuck %", "extra s: own successes",
                           fmt::format("solved by all ({})", score.common.cases), "separation m");
     }
-    text += fmt::format(
-        "{:<{}}  {:>9.1f}  {:>11.1f}  {:>7.1f}  {:<23}  {:<23}  {:>6.3f} {:>7.3f}\n",
-        labelOf(evaluation, score.contestant), width, 100.0 * score.success_share,
-        100.0 * score.collision_share, 100.0 * score.stuck_share, timesText(score.own),
-        timesText(score.common), score.closest_separation_m, score.mean_closest_separation_m);
+    text += fmt::format("{:<{}}  {:>9.1f}  {:>11.1f}  {:>7.1f}  {:<23}  {:<23}  {:>14}\n",
+                        labelOf(evaluation, score.contestant), width, 100.0 * score.success_share,
+                        100.0 * score.collision_share, 100.0 * score.stuck_share,
+                        timesText(score.own), timesText(score.common), separationText(score));
   }
   text += interventionsText(evaluation, scores, width);
   text +=

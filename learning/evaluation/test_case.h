@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "common/core/agent.h"
+
 namespace roundabout::learning {
 
 /// One agent of a test case. World frame.
@@ -22,6 +24,7 @@ struct TestCase {
   /// Goals that are flown to afterwards, one after the other, in the order of the agents: places
   /// and headings are kept, speeds and clocks start anew.
   std::vector<std::vector<Eigen::Vector2d>> later_goals_m;
+  std::vector<core::Polygon> obstacles{};
 };
 
 /// Cases that belong in one row of a table.

@@ -6,6 +6,7 @@
 
 #include "common/plot/palette.h"
 #include "common/plot/plan_view.h"
+#include "common/plot/plot_command.h"
 
 namespace roundabout::logs {
 
@@ -89,32 +90,6 @@ void includePaths(PlanView& view, const Flight& flight, std::size_t begin, std::
   }
 }
 
-/// Collects the parts of one plot command.
-class Plot {
- public:
-  explicit Plot(GnuplotScript& script) : script_(script) {}
-
-  /// Adds a data block and how it is drawn; nothing if there are no rows.
-  void add(const std::vector<std::string>& rows, const std::string& style) {
-    if (!rows.empty()) {
-      const std::string name = fmt::format("block{}", blocks_++);
-      script_.data(name, rows);
-      parts_.push_back(fmt::format("${} {}", name, style));
-    }
-  }
-
-  void addKey(const std::string& style, const std::string& text) {
-    parts_.push_back(fmt::format("keyentry {} title {}", style, gnuplotString(text)));
-  }
-
-  std::string command() const { return fmt::format("plot {}", fmt::join(parts_, ", \\\n     ")); }
-
- private:
-  GnuplotScript& script_;
-  std::vector<std::string> parts_;
-  int blocks_ = 0;
-};
-
 /// "x y" of the tracked samples [begin, end), no closer together than step_m; an empty row where
 /// the vehicle was not tracked.
 std::vector<std::string> pathRows(const FlightVehicle& vehicle, std::size_t begin, std::size_t end,
@@ -151,19 +126,13 @@ void includeObstacles(PlanView& view, const Flight& flight) {
   }
 }
 
-void addObstacles(Plot& plot, const Flight& flight) {
+void addObstacles(PlotCommand& plot, const Flight& flight) {
   for (const config::Obstacle& obstacle : obstaclesOf(flight)) {
-    std::vector<std::string> rows;
-    for (const Eigen::Vector2d& corner : obstacle.points_m) {
-      rows.push_back(fmt::format("{:.3f} {:.3f}", corner.x(), corner.y()));
-    }
-    rows.push_back(rows.front());
-    plot.add(rows,
-             "with filledcurves closed fc rgb \"#9aa3ad\" fs solid border lc rgb \"#555555\"");
+    plot.add(outlineRows(obstacle.points_m), kObstacleStyle);
   }
 }
 
-void addPaths(Plot& plot, const Flight& flight, std::size_t begin, std::size_t end, double step_m) {
+void addPaths(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end, double step_m) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     const Color color = mix(vehicleColor(i, flight.vehicles.size()), kBlack, 0.25);
     plot.add(pathRows(flight.vehicles[i], begin, end, step_m),
@@ -171,7 +140,7 @@ void addPaths(Plot& plot, const Flight& flight, std::size_t begin, std::size_t e
   }
 }
 
-void addStarts(Plot& plot, const Flight& flight, std::size_t begin, std::size_t end) {
+void addStarts(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     if (const Sample* start = firstTracked(flight.vehicles[i], begin, end)) {
       const std::vector<std::string> row{
@@ -183,7 +152,7 @@ void addStarts(Plot& plot, const Flight& flight, std::size_t begin, std::size_t 
   }
 }
 
-void addNames(Plot& plot, const Flight& flight) {
+void addNames(PlotCommand& plot, const Flight& flight) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     plot.addKey(fmt::format("with points pt 7 ps 1.8 lc rgb \"{}\"",
                             hex(vehicleColor(i, flight.vehicles.size()))),
@@ -191,7 +160,7 @@ void addNames(Plot& plot, const Flight& flight) {
   }
 }
 
-void addStar(Plot& plot, const Eigen::Vector3d& goal_world_m, const Color& color) {
+void addStar(PlotCommand& plot, const Eigen::Vector3d& goal_world_m, const Color& color) {
   plot.add(starRows(goal_world_m.head<2>(), kStarRadiusM),
            fmt::format("with filledcurves closed fc rgb \"{}\" fs solid border lc rgb \"white\"",
                        hex(color)));
@@ -241,7 +210,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
   beginFigure(script, view.size(), figure.title);
   view.set(script, figure.caption);
 
-  Plot plot(script);
+  PlotCommand plot(script);
   addObstacles(plot, flight);
   plot.add(circleRows(flight, begin, end, formed_at_s, interval_s),
            "with circles lc rgb variable fs solid border lc rgb \"#60ffffff\"");
@@ -252,7 +221,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
             vehicleColor(indexOf(flight, leg.vehicle), flight.vehicles.size()));
   }
   addNames(plot, flight);
-  endFigure(script, view.size(), figure.files(), plot.command());
+  endFigure(script, view.size(), figure.files(), plot.text());
 }
 
 void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
@@ -265,7 +234,7 @@ void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& me
   includeObstacles(view, flight);
   beginFigure(script, view.size(), figure.title);
   view.set(script, figure.caption);
-  Plot plot(script);
+  PlotCommand plot(script);
   addObstacles(plot, flight);
   for (const FormationMetrics& formation : metrics.formations) {
     for (const LegMetrics& leg : formation.legs) {
@@ -275,7 +244,7 @@ void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& me
   addPaths(plot, flight, 0, end, kOverviewPathStepM);
   addStarts(plot, flight, 0, end);
   addNames(plot, flight);
-  endFigure(script, view.size(), figure.files(), plot.command());
+  endFigure(script, view.size(), figure.files(), plot.text());
 }
 
 }  // namespace roundabout::logs

@@ -51,6 +51,19 @@ TEST_F(Evaluate, LeavesNumbersAndPictures) {
   EXPECT_EQ(nlohmann::json::parse(textOf("out/summary.json"))["scores"][0]["cases"], 5);
 }
 
+TEST_F(Evaluate, DrawsWhereNobodyArrivedAndAmongObstacles) {
+  const std::string course =
+      write("course.yaml", "obstacles: [{name: box, points_m: [[-1, -1], [1, -1], [1, 1], [-1, 1]]}]");
+  const Ended ended = evaluate({"--policy", "orca", "--cases",
+                                write("cases.csv",
+                                      "case,agent,start_x,start_y,goal_x,goal_y,radius,pref_speed\n"
+                                      "0,0,-3,0,3,0,0.3,1\n"),
+                                "--obstacles", course, "--draw", "0", "--animate", "0"});
+  EXPECT_TRUE(ended.status.clean()) << ended.status.describe();
+  EXPECT_GT(std::filesystem::file_size(out() / "comparison.png"), 100u);
+  EXPECT_THAT(textOf("out/orca_1_agent_0.svg"), HasSubstr("<path"));
+}
+
 TEST_F(Evaluate, DoesNotDependOnTheNumberOfThreads) {
   std::vector<std::string> arguments = kSmall;
   arguments.insert(arguments.end(), {"--no-figures", "--threads", "1"});
@@ -85,6 +98,7 @@ TEST_F(Evaluate, DoesNotGoOnWithOtherCasesUnderTheSameName) {
   const Ended ended = evaluate(again);
   EXPECT_EQ(ended.status.code, 2);
   EXPECT_THAT(ended.lines.back(), HasSubstr("run.json: --resume"));
+  EXPECT_THAT(ended.lines.back(), HasSubstr("one with other cases_hash"));
 }
 
 TEST_F(Evaluate, RefusesWhatIsWrongInOneLine) {
@@ -96,6 +110,8 @@ TEST_F(Evaluate, RefusesWhatIsWrongInOneLine) {
   expectRefusal({"--policy", "ga3c_cadrl:/no/such.safetensors", "--suite", "presets"},
                 "/no/such.safetensors");
   expectRefusal({"--policy", "orca", "--suite", "presets", "--draw", "7"}, "--draw");
+  expectRefusal({"--policy", "non_cooperative", "--suite", "obstacles"}, "--policy");
+  expectRefusal({"--policy", "orca", "--generate", "random", "--speed", "2", "1"}, "--speed");
   const std::string cases = write(
       "cases.csv", "case,agent,start_x,start_y,goal_x,goal_y,radius,pref_speed\n0,0,0,0,1,0,x,1\n");
   expectRefusal({"--policy", "orca", "--cases", cases}, "cases.csv:2: radius");

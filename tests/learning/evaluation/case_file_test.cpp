@@ -46,6 +46,13 @@ TEST_F(CaseFile, GroupsCasesBySize) {
   EXPECT_EQ(groups[1].cases[0].agents[1].preferred_speed_mps, 1.5);
 }
 
+TEST_F(CaseFile, IsReadAsSpreadsheetsAndPeopleWriteIt) {
+  const auto groups = readCaseFile(write("\xef\xbb\xbf" + std::string(kTitles) +
+                                         "0, 0, -1, 0.5, 3, 0, 0.3, 1.25\r\n\r\n\n"));
+  ASSERT_EQ(groups.size(), 1u);
+  EXPECT_EQ(groups[0].cases[0].agents[0].start_m, Eigen::Vector2d(-1.0, 0.5));
+}
+
 TEST_F(CaseFile, NamesLineAndColumnOfWhatIsWrong) {
   const std::string good = "0,0,0,0,1,0,0.3,1\n";
   EXPECT_THAT(errorOf(good + "0,1,0,x,1,0,0.3,1\n"),
@@ -56,7 +63,10 @@ TEST_F(CaseFile, NamesLineAndColumnOfWhatIsWrong) {
   EXPECT_THAT(errorOf(good + "0,2,0,0,1,0,0.3,1\n"), HasSubstr(":3: agent: expected 1, found 2"));
   EXPECT_THAT(errorOf(good + "3,0,0,0,1,0,0.3,1\n"), HasSubstr(":3: case: expected 1, found 3"));
   EXPECT_THAT(errorOf(good + "0,1,0,nan,1,0,0.3,1\n"), HasSubstr(":3: start_y: "));
-  EXPECT_THAT(errorOf(good + "\n"), HasSubstr(":3: row: "));
+  EXPECT_THAT(errorOf(good + "\n0,1,0,0,1,0,0.3\n"), HasSubstr(":4: row: "));
+  EXPECT_THAT(errorOf(good + "0,1,0,0,1e308,0,0.3,1\n"),
+              HasSubstr(":3: row: expected a goal within 3600 s"));
+  EXPECT_THAT(errorOf(good + "0,1,0,0,1,0,0.3,1e-9\n"), HasSubstr("found 1e+09 s"));
 }
 
 TEST_F(CaseFile, RefusesOtherColumnsAndNothing) {

@@ -74,6 +74,32 @@ TEST(IdealEpisode, LaterGoalsAreFlownToFromWhereOneIs) {
   EXPECT_NEAR(trace.back().back()[0].position_m.x(), 6.1, 1e-9);
 }
 
+const core::Polygon kBox{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+
+TEST(IdealEpisode, WhoFliesIntoAnObstacleHasCollided) {
+  const TestCase each{{agent(-3.0, 3.0)}, {}, {kBox}};
+  Trace trace;
+  const EpisodeResult result = run(each, {"non_cooperative"}, "published", &trace);
+  EXPECT_EQ(result.outcome, Outcome::kCollision);
+  EXPECT_NEAR(trace.back().back()[0].position_m.x(), -1.0, 0.1) << "its edge at the box";
+  EXPECT_LE(result.closest_separation_m, 0.0);
+}
+
+TEST(IdealEpisode, OrcaIsToldOfObstaclesAndGoesRound) {
+  const TestCase each{{agent(-3.0, 3.0, 0.4)}, {}, {kBox}};
+  const EpisodeResult result = run(each, {"orca"});
+  EXPECT_EQ(result.outcome, Outcome::kAllAtGoal);
+  EXPECT_GT(result.closest_separation_m, 0.0);
+  EXPECT_LT(result.closest_separation_m, 1.0);
+}
+
+TEST(LabEpisode, ObstaclesAreAvoidedByOrcaAndCountAsCollisionsWhenTouched) {
+  const EpisodeResult clear = run({{agent(-3.0, 3.0)}, {}, {kBox}}, {"orca"}, "lab");
+  EXPECT_EQ(clear.outcome, Outcome::kAllAtGoal);
+  const TestCase start_in_it{{agent(-0.7, 3.0)}, {}, {kBox}};
+  EXPECT_EQ(run(start_in_it, {"orca"}, "lab").outcome, Outcome::kCollision);
+}
+
 TEST(LabEpisode, OrcaCrossesWithoutTouching) {
   const TestCase each{{agent(-3.0, 3.0), {{0.0, -3.0}, {0.0, 3.0}, 0.5, 1.0}}, {}};
   const EpisodeResult result = run(each, {"orca", "orca"}, "lab");
