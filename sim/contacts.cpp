@@ -18,8 +18,8 @@ void Contacts::update(core::Utime now, core::Utime step_us, std::span<const Body
   for (std::size_t j = 0; j < bodies.size(); ++j) {
     const Eigen::Vector2d place_m = bodies[j].position_world_m.head<2>();
     for (std::size_t i = 0; i < j; ++i) {
-      const double gap_m = (bodies[i].position_world_m.head<2>() - place_m).norm() - radii_m_[i] -
-                           radii_m_[j];
+      const double gap_m =
+          (bodies[i].position_world_m.head<2>() - place_m).norm() - radii_m_[i] - radii_m_[j];
       note(gap_m, {i, j, false, now, 0}, step_us, open_[i * columns + j]);
     }
     for (std::size_t k = 0; k < obstacles_.size(); ++k) {

@@ -110,10 +110,10 @@ std::vector<Obstacle> readObstacles(const std::string& path) {
     document.fail("obstacles", "at least one", "none");
   }
   orientObstacles(file.obstacles);
-  checkOutlines(file.obstacles, [&](const std::string& key, const std::string& expected,
-                                    const std::string& found) {
-    document.fail(key, expected, found);
-  });
+  checkOutlines(file.obstacles,
+                [&](const std::string& key, const std::string& expected, const std::string& found) {
+                  document.fail(key, expected, found);
+                });
   return std::move(file.obstacles);
 }
 

@@ -132,7 +132,8 @@ void addObstacles(PlotCommand& plot, const Flight& flight) {
   }
 }
 
-void addPaths(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end, double step_m) {
+void addPaths(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end,
+              double step_m) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     const Color color = mix(vehicleColor(i, flight.vehicles.size()), kBlack, 0.25);
     plot.add(pathRows(flight.vehicles[i], begin, end, step_m),

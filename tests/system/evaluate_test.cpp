@@ -52,8 +52,8 @@ TEST_F(Evaluate, LeavesNumbersAndPictures) {
 }
 
 TEST_F(Evaluate, DrawsWhereNobodyArrivedAndAmongObstacles) {
-  const std::string course =
-      write("course.yaml", "obstacles: [{name: box, points_m: [[-1, -1], [1, -1], [1, 1], [-1, 1]]}]");
+  const std::string course = write(
+      "course.yaml", "obstacles: [{name: box, points_m: [[-1, -1], [1, -1], [1, 1], [-1, 1]]}]");
   const Ended ended = evaluate({"--policy", "orca", "--cases",
                                 write("cases.csv",
                                       "case,agent,start_x,start_y,goal_x,goal_y,radius,pref_speed\n"

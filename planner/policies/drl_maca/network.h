@@ -62,8 +62,8 @@ class DrlMacaNetwork {
   using OwnInputs = std::array<float, DrlMacaTrunk::kOwnInputs>;
 
   struct Output {
-    double linear_mps = 0.0;     ///< 0 to 1
-    double angular_radps = 0.0;  ///< -1 to 1, counter-clockwise
+    double linear_mps = 0.0;                                  ///< 0 to 1
+    double angular_radps = 0.0;                               ///< -1 to 1, counter-clockwise
     double value = std::numeric_limits<double>::quiet_NaN();  ///< if asked for
   };
 

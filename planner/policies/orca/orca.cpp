@@ -118,7 +118,8 @@ class Orca final : public Policy {
   }
 
   // A convex obstacle is avoided as a whole. Of another one every side that faces the ego is an
-  // obstacle of its own: nothing is hit first from behind. Inside, only the shortest way out counts.
+  // obstacle of its own: nothing is hit first from behind. Inside, only the shortest way out
+  // counts.
   void addObstacle(const core::EgoAgent& ego, const core::Polygon& obstacle) {
     corners_.clear();
     for (const Vector2d& corner : obstacle) {

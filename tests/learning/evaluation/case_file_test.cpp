@@ -47,8 +47,8 @@ TEST_F(CaseFile, GroupsCasesBySize) {
 }
 
 TEST_F(CaseFile, IsReadAsSpreadsheetsAndPeopleWriteIt) {
-  const auto groups = readCaseFile(write("\xef\xbb\xbf" + std::string(kTitles) +
-                                         "0, 0, -1, 0.5, 3, 0, 0.3, 1.25\r\n\r\n\n"));
+  const auto groups = readCaseFile(
+      write("\xef\xbb\xbf" + std::string(kTitles) + "0, 0, -1, 0.5, 3, 0, 0.3, 1.25\r\n\r\n\n"));
   ASSERT_EQ(groups.size(), 1u);
   EXPECT_EQ(groups[0].cases[0].agents[0].start_m, Eigen::Vector2d(-1.0, 0.5));
 }

@@ -78,9 +78,8 @@ TEST_F(ObstacleCourse, IsReadStrictly) {
   EXPECT_THAT(errorOf("obstacles: []\n"), HasSubstr("at least one"));
   EXPECT_THAT(errorOf("obstacles:\n  - {name: a, points_m: [[0, 0], [1, 0]]}\n"),
               HasSubstr("course.yaml:2: obstacles[0].points_m: expected at least 3 corners"));
-  EXPECT_THAT(
-      errorOf("obstacles: [{name: a, points_m: [[0, 0], [1, 1], [1, 0], [0, 1]]}]\n"),
-      HasSubstr("sides that touch or cross"));
+  EXPECT_THAT(errorOf("obstacles: [{name: a, points_m: [[0, 0], [1, 1], [1, 0], [0, 1]]}]\n"),
+              HasSubstr("sides that touch or cross"));
   EXPECT_THAT(test::startupErrorOf([this] { addObstacles(evaluation_.suite, "/no/such.yaml"); }),
               HasSubstr("/no/such.yaml: obstacles: expected a file that can be read"));
 }

@@ -289,8 +289,8 @@ TEST(OrcaObstacles, FromInsideOneThatIsNotConvexNobodyGoesDeeper) {
       continue;
     }
     ++inside;
-    const Vector2d way_out = core::nearestOnOutline(kAngle, ego.position_world_m) -
-                             ego.position_world_m;
+    const Vector2d way_out =
+        core::nearestOnOutline(kAngle, ego.position_world_m) - ego.position_world_m;
     wanted_deeper += way_out.dot(ego.goal_world_m - ego.position_world_m) < 0.0 ? 1 : 0;
     core::Surroundings around;
     around.obstacles = obstacles;
@@ -306,9 +306,9 @@ TEST(OrcaObstacles, FromInsideOneThatIsNotConvexNobodyGoesDeeper) {
 
 TEST_F(OrcaAmongObstacles, ComesOutOfOneThatIsNotConvexTheShortestWay) {
   flight_.obstacles = {kAngle};
-  add({2.2, 2.0}, {-1.0, 2.0});   // to the notch's side
-  add({0.5, 0.3}, {0.5, -2.0});   // through the foot
-  add({2.2, 0.8}, {0.5, 2.5});    // by the corner in the notch
+  add({2.2, 2.0}, {-1.0, 2.0});  // to the notch's side
+  add({0.5, 0.3}, {0.5, -2.0});  // through the foot
+  add({2.2, 0.8}, {0.5, 2.5});   // by the corner in the notch
   flight_.flyFor(60.0);
   EXPECT_TRUE(flight_.allArrived());
 }
