@@ -301,8 +301,8 @@ void drawComparison(const Evaluation& evaluation, const std::vector<Score>& scor
     script.line("set ylabel \"extra time: mean, 75, 90 %  s\"");
     script.line("set key off");
     script.line("unset label 1");
-    script.line("set tmargin at screen {}", crowded ? 0.43 : 0.45);
-    script.line("set bmargin at screen {}", crowded ? 0.14 : 0.1);
+    script.line("set tmargin at screen 0.45");
+    script.line("set bmargin at screen {}", crowded ? 0.18 : 0.1);
     script.line("{}", timePanel(script, evaluation, scores));
     script.line("unset multiplot");
     script.line("set output");

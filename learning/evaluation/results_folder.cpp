@@ -96,6 +96,9 @@ ResultsFolder::ResultsFolder(const fs::path& folder, const nlohmann::json& run, 
   std::error_code error;
   const fs::path run_file = folder_ / "run.json";
   const bool there = fs::exists(folder_, error) && !fs::is_empty(folder_, error);
+  if (fs::exists(folder_, error) && !fs::is_directory(folder_, error)) {
+    throw core::StartupError(folder_.string(), "--out", "a folder", "a file");
+  }
   if (there && !resume) {
     throw core::StartupError(folder_.string(), "--out",
                              "a folder that is new or empty (or --resume)", "one with files in it");

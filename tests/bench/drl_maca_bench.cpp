@@ -1,4 +1,4 @@
-// One decision of DRLMACA: three scans through two networks; and one sweep of the lidar.
+// One decision of DRLMACA, without and with its critic; and one sweep of the lidar.
 
 #include <benchmark/benchmark.h>
 
@@ -21,16 +21,16 @@ std::vector<sim::Disc> discsOf(const Scene& scene) {
 
 void queryDrlMaca(benchmark::State& state) {
   core::RandomStream random(1, "scenes");
-  const Scene scene = randomScene(random, 9, 5.0);
+  const Scene scene = randomScene(random, static_cast<std::size_t>(state.range(0)), 5.0);
   sim::Lidar lidar((config::Lidar()));
   core::Surroundings around;
   around.scan = lidar.sweep({0.0, 0.0}, 0.0, {discsOf(scene)});
-  DrlMaca policy(toDrlMacaWeights(test::randomDrlMaca(), "random"));
+  DrlMaca policy(toDrlMacaWeights(test::randomDrlMaca(), "random"), state.range(1) != 0);
   for (auto _ : state) {
     benchmark::DoNotOptimize(policy.decide(scene.ego, around));
   }
 }
-BENCHMARK(queryDrlMaca);
+BENCHMARK(queryDrlMaca)->ArgNames({"others", "value"})->ArgsProduct({{0, 1, 3, 9}, {0, 1}});
 
 void sweepLidar(benchmark::State& state) {
   core::RandomStream random(1, "scenes");

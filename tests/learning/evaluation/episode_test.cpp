@@ -86,8 +86,10 @@ TEST(IdealEpisode, WhoFliesIntoAnObstacleHasCollided) {
 }
 
 TEST(IdealEpisode, OrcaIsToldOfObstaclesAndGoesRound) {
-  const TestCase each{{agent(-3.0, 3.0, 0.4)}, {}, {kBox}};
-  const EpisodeResult result = run(each, {"orca"});
+  const TestCase each{{agent(-3.0, 3.0)}, {}, {kBox}};
+  Policies policies;
+  policies.push_back(planner::makePolicy("orca", {}));  // leans to the right
+  const EpisodeResult result = runEpisode(makeRules("published"), each, {.policies = policies});
   EXPECT_EQ(result.outcome, Outcome::kAllAtGoal);
   EXPECT_GT(result.closest_separation_m, 0.0);
   EXPECT_LT(result.closest_separation_m, 1.0);
