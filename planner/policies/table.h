@@ -14,8 +14,8 @@ namespace roundabout::planner {
 struct PolicyOptions {
   std::string weights;  ///< path; empty: the policy's own default, if it has one
   config::Orca orca;
-  bool with_value = true;            ///< false: leave out what only Decision::value needs
   std::string where = "experiment";  ///< who asks, for errors: the experiment file
+  bool with_value = true;            ///< false: leave out what only Decision::value needs
 };
 
 struct PolicyEntry {
