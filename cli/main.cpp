@@ -4,23 +4,14 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "cli/fly_command.h"
-#include "cli/operator_commands.h"
-#include "learning/evaluation/evaluate_command.h"
-#include "logs/log_commands.h"
-#include "planner/policy_tools/policy_commands.h"
+#include "cli/commands.h"
 
 int main(int argc, char** argv) {
   constexpr int kCannotStart = 2;
   int exit_status = 0;
   CLI::App app("Multi-vehicle experiments in a motion-capture lab", "roundabout");
   app.require_subcommand(1);
-  roundabout::cli::addFlyCommand(app, exit_status);
-  roundabout::cli::addOrderCommand(app, exit_status);
-  roundabout::cli::addMissionCommand(app, exit_status);
-  roundabout::learning::addEvaluateCommand(app, exit_status);
-  roundabout::logs::addLogCommands(app);
-  roundabout::planner::addPolicyCommands(app);
+  roundabout::cli::addCommands(app, exit_status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -1,0 +1,26 @@
+#include "cli/commands.h"
+
+#include "cli/doctor/doctor_command.h"
+#include "cli/fly_command.h"
+#include "cli/operator_commands.h"
+#include "cli/replay/replay_command.h"
+#include "cli/spy_command.h"
+#include "learning/evaluation/evaluate_command.h"
+#include "logs/log_commands.h"
+#include "planner/policy_tools/policy_commands.h"
+
+namespace roundabout::cli {
+
+void addCommands(CLI::App& app, int& exit_status) {
+  addFlyCommand(app, exit_status);
+  addOrderCommand(app, exit_status);
+  addMissionCommand(app, exit_status);
+  learning::addEvaluateCommand(app, exit_status);
+  logs::addLogCommands(app);
+  addReplayCommand(app, exit_status);
+  addSpyCommand(app, exit_status);
+  addDoctorCommand(app, exit_status);
+  planner::addPolicyCommands(app);
+}
+
+}  // namespace roundabout::cli
