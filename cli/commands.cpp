@@ -2,8 +2,10 @@
 
 #include "cli/doctor/doctor_command.h"
 #include "cli/fly_command.h"
+#include "cli/mission_command.h"
 #include "cli/operator_commands.h"
 #include "cli/replay/replay_command.h"
+#include "cli/script_command.h"
 #include "cli/spy_command.h"
 #include "learning/evaluation/evaluate_command.h"
 #include "logs/log_commands.h"
@@ -18,6 +20,7 @@ void addCommands(CLI::App& app, int& exit_status) {
   learning::addEvaluateCommand(app, exit_status);
   logs::addLogCommands(app);
   addReplayCommand(app, exit_status);
+  addScriptCommand(app);
   addSpyCommand(app, exit_status);
   addDoctorCommand(app, exit_status);
   planner::addPolicyCommands(app);

@@ -45,6 +45,7 @@ void Coordinator::takeMissions(core::Utime now) {
 
 void Coordinator::take(core::Utime now, const Asked& asked) {
   const std::int64_t mission_id = asked.mission_id;
+  newest_mission_ = std::max(newest_mission_, mission_id);
   StepsOrRefusal steps = reader_.read(asked.step);
   if (const auto* refusal = std::get_if<std::string>(&steps)) {
     refuse(mission_id, *refusal);
@@ -62,7 +63,11 @@ void Coordinator::take(core::Utime now, const Asked& asked) {
   const Verb verb = expanded.front().verb;
   const bool at_once = verb == Verb::kHold || verb == Verb::kLand;
   if (at_once) {
-    queue_.clear();
+    const std::string why = "dropped by " + asked.step.verb;
+    if (live_ && stepping()) {
+      refuse(live_step_.mission_id, why);
+    }
+    drop(why);
     file_finished_ = true;
   }
   if (queue_.size() + expanded.size() > kLongestQueue) {
@@ -76,6 +81,25 @@ void Coordinator::take(core::Utime now, const Asked& asked) {
     failure_.clear();
     next(now);
   }
+}
+
+/// Forgets what is queued.
+void Coordinator::drop(const std::string& why) {
+  std::int64_t last = stepping() && live_ ? live_step_.mission_id : 0;
+  for (const Queued& queued : std::exchange(queue_, {})) {
+    if (queued.mission_id != last) {
+      last = queued.mission_id;
+      refuse(last, why);
+    }
+  }
+}
+
+void Coordinator::stepDone(core::Utime now) {
+  const bool last = queue_.empty() || queue_.front().mission_id != live_step_.mission_id;
+  if (live_ && last) {
+    finished_mission_ = std::max(finished_mission_, live_step_.mission_id);
+  }
+  next(now);
 }
 
 void Coordinator::refuse(std::int64_t mission_id, const std::string& reason) {
@@ -426,7 +450,7 @@ void Coordinator::checkStep(core::Utime now) {
   if (current.verb == Verb::kFormation && phase_ == Phase::kHold) {
     formed_time_ += tick_time_;
     if (core::toSeconds(formed_time_) >= current.seconds) {
-      next(now);
+      stepDone(now);
     }
     return;
   }
@@ -434,7 +458,7 @@ void Coordinator::checkStep(core::Utime now) {
     if (current.verb == Verb::kFormation) {
       phase_ = Phase::kHold;
     } else {
-      next(now);
+      stepDone(now);
     }
     return;
   }
@@ -447,8 +471,8 @@ void Coordinator::checkStep(core::Utime now) {
 }
 
 void Coordinator::fail(core::Utime now, const std::string& reason) {
+  drop(reason);
   failure_ = reason;
-  queue_.clear();
   file_finished_ = true;
   live_count_ += live_ ? 1 : 0;
   step_time_ = 0;
@@ -456,15 +480,21 @@ void Coordinator::fail(core::Utime now, const std::string& reason) {
   sendAllDown(now);
 }
 
+bool Coordinator::stepping() const {
+  return phase_ == Phase::kTakeOff || phase_ == Phase::kGo || phase_ == Phase::kHold ||
+         phase_ == Phase::kLand;
+}
+
 FleetStatus Coordinator::status(core::Utime now) const {
   FleetStatus status;
   status.utime = now;
   status.phase = phase_;
   status.num_steps = static_cast<int>(file_steps_.size());
-  const bool stepping = phase_ == Phase::kTakeOff || phase_ == Phase::kGo ||
-                        phase_ == Phase::kHold || phase_ == Phase::kLand;
-  if (stepping && failure_.empty()) {
+  status.newest_mission_id = newest_mission_;
+  status.finished_mission_id = finished_mission_;
+  if (stepping() && failure_.empty()) {
     status.formation = step().name;
+    status.mission_id = live_ ? live_step_.mission_id : 0;
   }
   if (phase_ != Phase::kWaiting) {
     status.step = std::min(static_cast<int>(index_), status.num_steps - 1);
@@ -485,10 +515,10 @@ FleetStatus Coordinator::status(core::Utime now) const {
     return status;
   }
   status.reason = failure_;
-  if (failure_.empty() && (stepping || phase_ == Phase::kDone)) {
+  if (failure_.empty() && (stepping() || phase_ == Phase::kDone)) {
     const std::string absent = roster_.whoIsOut();
     status.reason = absent.empty() ? "" : "out: " + absent;
-    for (std::size_t i = 0; stepping && i < roster_.size(); ++i) {
+    for (std::size_t i = 0; stepping() && i < roster_.size(); ++i) {
       if (roster_.holds(i)) {
         status.reason += fmt::format("{}{} holds", status.reason.empty() ? "" : "; ",
                                      experiment_.vehicles[i].name);

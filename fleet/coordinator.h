@@ -34,6 +34,9 @@ struct FleetStatus {
   int step = -1;
   int num_steps = 0;
   int vehicles_at_goal = 0;
+  std::int64_t mission_id = 0;  ///< of the message whose step is being flown; 0: none
+  std::int64_t newest_mission_id = 0;
+  std::int64_t finished_mission_id = 0;
   std::string reason;
   std::vector<Progress> vehicles;
   std::vector<std::string> refusals;
@@ -89,6 +92,8 @@ class Coordinator {
   void takeMissions(core::Utime now);
   void take(core::Utime now, const Asked& asked);
   void finish();
+  void drop(const std::string& why);
+  void stepDone(core::Utime now);
   void advance(core::Utime now);
   void next(core::Utime now);
   void begin(core::Utime now);
@@ -112,6 +117,7 @@ class Coordinator {
   const Step& step() const { return live_ ? live_step_.step : file_steps_[index_]; }
   std::int64_t goalId(std::size_t vehicle) const;
   FleetStatus status(core::Utime now) const;
+  bool stepping() const;
 
   const config::Experiment& experiment_;
   Roster roster_;
@@ -121,6 +127,8 @@ class Coordinator {
   std::vector<Asked> asked_;  // since the last tick
   std::vector<core::Goal> outbox_;
   std::deque<std::string> refusals_;
+  std::int64_t newest_mission_ = 0;
+  std::int64_t finished_mission_ = 0;
 
   Phase phase_ = Phase::kWaiting;
   bool live_ = false;  // the current step came by message

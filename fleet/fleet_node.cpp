@@ -46,6 +46,9 @@ roundabout_msgs::fleet_status_t toMessage(const FleetStatus& status,
   message.step = status.step;
   message.num_steps = status.num_steps;
   message.vehicles_at_goal = status.vehicles_at_goal;
+  message.mission_id = status.mission_id;
+  message.newest_mission_id = status.newest_mission_id;
+  message.finished_mission_id = status.finished_mission_id;
   message.reason = status.reason;
   message.rejected_messages = rejected;
   return message;

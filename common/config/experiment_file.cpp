@@ -1,5 +1,7 @@
 #include "common/config/experiment_file.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "common/config/checks.h"
@@ -25,10 +27,10 @@ std::string withAbsoluteWeights(const std::string& policy, const std::filesystem
          std::filesystem::absolute(weights).lexically_normal().string();
 }
 
-void readPointsFiles(Experiment& experiment, const std::filesystem::path& folder,
+void readPointsFiles(std::vector<MissionStep>& mission, const std::filesystem::path& folder,
                      const Refuse& refuse) {
-  for (std::size_t i = 0; i < experiment.mission.size(); ++i) {
-    MissionStep& step = experiment.mission[i];
+  for (std::size_t i = 0; i < mission.size(); ++i) {
+    MissionStep& step = mission[i];
     if (step.points_file.empty()) {
       continue;
     }
@@ -46,6 +48,29 @@ Experiment readExperiment(const std::string& path, const std::vector<std::string
   return parseExperiment(textOfFile(path, "experiment"), path, overrides);
 }
 
+std::vector<MissionStep> readMissionFile(const std::string& path) {
+  const Document document(textOfFile(path, "mission"), path, {});
+  std::vector<MissionStep> mission;
+  Reader reader(document, document.root(), "");
+  reader("mission", mission);
+  reader.finish();
+  const auto refuse = [&](const std::string& key, const std::string& expected,
+                          const std::string& found) { document.fail(key, expected, found); };
+  readPointsFiles(mission, std::filesystem::path(path).parent_path(), refuse);
+  if (mission.empty()) {
+    refuse("mission", "at least one step", "none");
+  }
+  for (std::size_t i = 0; i < mission.size(); ++i) {
+    const auto& points_m = mission[i].points_m;
+    if (std::any_of(points_m.begin(), points_m.end(),
+                    [](const Eigen::Vector3d& point) { return std::isnan(point.z()); })) {
+      refuse("mission[" + std::to_string(i) + "]." + mission[i].verb, "points [x, y, z]",
+             "one without a height");
+    }
+  }
+  return mission;
+}
+
 Experiment parseExperiment(const std::string& yaml, const std::string& name,
                            const std::vector<std::string>& overrides) {
   const Document document(yaml, name, overrides);
@@ -59,7 +84,7 @@ Experiment parseExperiment(const std::string& yaml, const std::string& name,
   describe(reader, experiment);
   reader.finish();
 
-  readPointsFiles(experiment, std::filesystem::path(name).parent_path(), refuse);
+  readPointsFiles(experiment.mission, std::filesystem::path(name).parent_path(), refuse);
   orientObstacles(experiment.obstacles);
   fillHeights(experiment, refuse);
   checkConsistency(experiment, refuse);

@@ -20,6 +20,10 @@ Experiment readExperiment(const std::string& path, const std::vector<std::string
 Experiment parseExperiment(const std::string& yaml, const std::string& name,
                            const std::vector<std::string>& overrides = {});
 
+/// Reads a file whose one key is `mission`, as in an experiment file, for a fleet that is told by
+/// message: points need their height. Throws core::StartupError as readExperiment() does.
+std::vector<MissionStep> readMissionFile(const std::string& path);
+
 /// The whole experiment, defaults included, as YAML that reads back to the same struct.
 std::string toYaml(const Experiment& experiment);
 

@@ -182,6 +182,35 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
   }
 }
 
+void Reader::read(const YAML::Node& node, const std::string& path, std::vector<MissionStep>& steps,
+                  const Constraint& constraint) {
+  constexpr std::size_t kMostSteps = 1000;
+  steps.clear();
+  for (std::size_t i = 0; i < lengthOf(node, path); ++i) {
+    const YAML::Node child = node[i];
+    const std::string at = path + "[" + std::to_string(i) + "]";
+    if (!child.IsMap() || child.size() != 1 || !child["repeat"]) {
+      read(child, at, steps.emplace_back(), constraint);
+      continue;
+    }
+    int times = 0;
+    std::vector<MissionStep> repeated;
+    Reader reader(document_, child["repeat"], at + ".repeat");
+    reader("times", times, between(1.0, static_cast<double>(kMostSteps)));
+    reader("steps", repeated);
+    reader.finish();
+    if (times == 0 || repeated.empty()) {
+      document_.fail(at + ".repeat", "times and steps", "only one of them, or no steps");
+    }
+    if (steps.size() + static_cast<std::size_t>(times) * repeated.size() > kMostSteps) {
+      document_.fail(at + ".repeat", "at most " + std::to_string(kMostSteps) + " steps", "more");
+    }
+    for (; times > 0; --times) {
+      steps.insert(steps.end(), repeated.begin(), repeated.end());
+    }
+  }
+}
+
 std::size_t Reader::lengthOf(const YAML::Node& node, const std::string& path) const {
   if (!node.IsSequence()) {
     document_.fail(path, "a list", found(node));

@@ -60,6 +60,10 @@ class Reader {
   void read(const YAML::Node& node, const std::string& path, MissionStep& value,
             const Constraint& c);
 
+  /// A step `repeat: {times, steps}` becomes its steps, so many times.
+  void read(const YAML::Node& node, const std::string& path, std::vector<MissionStep>& steps,
+            const Constraint& c);
+
   template <class Value>
   void read(const YAML::Node& node, const std::string& path, std::optional<Value>& value,
             const Constraint& constraint) {

@@ -509,6 +509,46 @@ TEST(Coordinator, AGoToOntoAnothersGoalIsRefused) {
   EXPECT_EQ(flight.status.phase, Phase::kIdle);
 }
 
+TEST(Coordinator, SaysWhatBecameOfAMessage) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  flight.coordinator.onMission(11, verb("take_off"));
+  flight.coordinator.onMission(12, verb("spell", "HI"));
+  flight.tick();
+  EXPECT_EQ(flight.status.newest_mission_id, 12);
+  EXPECT_EQ(flight.status.mission_id, 11);
+  EXPECT_EQ(flight.status.finished_mission_id, 0);
+  ASSERT_TRUE(flight.runUntil(Phase::kGo, "H"));
+  EXPECT_EQ(flight.status.mission_id, 12);
+  EXPECT_EQ(flight.status.finished_mission_id, 11);
+  ASSERT_TRUE(flight.runUntil(Phase::kGo, "I"));
+  EXPECT_EQ(flight.status.finished_mission_id, 11);  // half of it is not all of it
+  ASSERT_TRUE(flight.runUntil(Phase::kIdle));
+  EXPECT_EQ(flight.status.finished_mission_id, 12);
+  EXPECT_EQ(flight.status.mission_id, 0);
+  flight.coordinator.onMission(13, verb("dance"));
+  flight.tick();
+  EXPECT_EQ(flight.status.newest_mission_id, 13);
+  EXPECT_EQ(flight.status.finished_mission_id, 12);
+}
+
+TEST(Coordinator, WhatALandDropsIsRefusedOnce) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  flight.coordinator.onMission(1, verb("take_off"));
+  flight.run(3.0);
+  flight.coordinator.onMission(2, verb("spell", "HI"));
+  flight.coordinator.onMission(3, verb("spell", "HI"));
+  flight.tick();
+  flight.coordinator.onMission(4, verb("land"));
+  flight.tick();
+  EXPECT_EQ(flight.status.refusals,
+            (std::vector<std::string>{"mission 2: dropped by land", "mission 3: dropped by land"}));
+  EXPECT_EQ(flight.status.mission_id, 4);
+  flight.run(3.0);
+  EXPECT_EQ(flight.status.finished_mission_id, 4);
+}
+
 TEST(Coordinator, KeepsTheLatestTenRefusals) {
   Flight flight(withMission({}));
   flight.run(1.0);

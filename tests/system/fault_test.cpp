@@ -159,12 +159,16 @@ TEST_F(Fault, AllLandWhenNoNewFleetTakesOver) {
 
 TEST_F(Fault, AllLandWhenTheLoggerIsKilled) {
   cli::ChildProcess& flight = startSwap();
+  waitUntil("half a second of frames", [this] { return heard().frames > 100; });
+  const auto heard_frames = static_cast<std::size_t>(heard().frames);
   killProcess({"lcm-logger"});
   const Ended ended = finish(flight);
   EXPECT_EQ(ended.status.code, 1);
   EXPECT_THAT(ended.lines, Contains(HasSubstr("landing all: the logger died")));
   EXPECT_LT(heightOf("hex1"), 0.1);
   EXPECT_LT(heightOf("hex2"), 0.1);
+  // What it had written, ten times a second, is there.
+  EXPECT_GT(payloadsOf(out() / "flight.lcm").at("VEHICLE_STATES").size() + 60, heard_frames);
 }
 
 }  // namespace

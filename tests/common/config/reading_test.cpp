@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/config/experiment_file.h"
+#include "common/core/error.h"
 #include "tests/support/scratch_folder.h"
 
 namespace roundabout::config {
@@ -58,6 +59,36 @@ TEST(Mission, ReadsEveryVerb) {
   EXPECT_EQ(read.mission[4].points_m, std::vector<Eigen::Vector3d>{Eigen::Vector3d(1, 2, 3)});
   EXPECT_EQ(read.mission[5].seconds, 3.0);
   EXPECT_EQ(read.mission[7].verb, "land");
+}
+
+TEST(Mission, RepeatsSteps) {
+  const Experiment read = withTwo(
+      "mission:\n"
+      "  - take_off\n"
+      "  - repeat: {times: 2, steps: [{wait: 1}, {repeat: {times: 3, steps: [hold]}}]}\n");
+  std::string verbs;
+  for (const MissionStep& step : read.mission) {
+    verbs += step.verb + " ";
+  }
+  EXPECT_EQ(verbs, "take_off wait hold hold hold wait hold hold hold ");
+}
+
+TEST(Mission, RepeatsOnlyWhatItUnderstands) {
+  const auto problem = [](const std::string& repeat) -> std::string {
+    try {
+      withTwo("mission:\n  - repeat: " + repeat + "\n");
+    } catch (const core::StartupError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(problem("{times: 2}").find("expected times and steps"), std::string::npos);
+  EXPECT_NE(problem("{times: 0, steps: [hold]}").find("mission[0].repeat.times"),
+            std::string::npos);
+  EXPECT_NE(problem("{times: 2, steps: [dance]}").find("mission[0].repeat.steps[0]"),
+            std::string::npos);
+  EXPECT_NE(problem("{times: 600, steps: [hold, hold]}").find("at most 1000 steps"),
+            std::string::npos);
 }
 
 TEST(Obstacles, AreTurnedCounterClockwise) {
