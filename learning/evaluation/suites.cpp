@@ -1,5 +1,6 @@
 #include "learning/evaluation/suites.h"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 
@@ -157,6 +158,15 @@ Suite obstacles() {
   return suite;
 }
 
+// Everything is the same from everybody's point of view: nothing but a rule breaks the symmetry.
+Suite swaps() {
+  Suite suite{"swaps", {{"2 to 30 agents", {}}}, {}};
+  for (int agents = 2; agents <= 30; ++agents) {
+    suite.groups.front().cases.push_back(circleCase(agents, std::max(3.0, 0.5 * agents)));
+  }
+  return suite;
+}
+
 // The paper's letters, in the order in which they are spelled.
 const std::array<std::vector<Vector2d>, 5>& letters() {
   static const std::array<std::vector<Vector2d>, 5> kLetters{
@@ -204,6 +214,7 @@ constexpr std::array kSuites = {
                "boxes, corridors, a doorway and 100 cases among pillars; for policies that avoid "
                "obstacles",
                obstacles},
+    SuiteEntry{"swaps", "exactly symmetric swaps of 2 to 30 agents on a circle", swaps},
     SuiteEntry{"formation",
                "six agents spell C A D R L, 100 random assignments (paper: formation control)",
                formation},

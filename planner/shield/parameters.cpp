@@ -21,7 +21,9 @@ ShieldParameters ShieldParameters::lab() {
 }
 
 void ShieldParameters::suit(std::string_view policy) {
-  progress_time_constant_s = policy == "orca" || policy == "non_cooperative" ? 1.0 : 2.0;
+  const bool remembers_nothing = policy == "orca" || policy == "non_cooperative";
+  progress_time_constant_s = remembers_nothing ? 1.0 : 2.0;
+  stalled_share = remembers_nothing ? 0.3 : 0.2;
 }
 
 }  // namespace roundabout::planner::shield

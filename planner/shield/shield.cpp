@@ -61,7 +61,8 @@ class Shield::Impl {
  private:
   Vector2d fly(const Ego& ego, const Statics& statics, const Vector2d& wanted_mps, double now_s,
                ShieldDecision& decision) {
-    if (parameters_.breaker) {
+    const bool alone = scene_.discs().empty() && statics.obstacles.empty();
+    if (parameters_.breaker && !alone) {
       if (const auto plan = breaker_.update(ego, scene_, statics, now_s)) {
         decision.layer = Layer::kBreaker;
         decision.asks_for_way = plan->asks_for_way;

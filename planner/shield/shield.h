@@ -30,6 +30,7 @@ struct Ego {
 struct Neighbour {
   Motion motion;
   MotionBounds bounds;
+  /// Of the body, and what it may have strayed from its commands since it was measured.
   double radius_m = 0.5;
   double max_speed_mps = 1.0;
   int id = 0;                 ///< the same in every call

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/angles.h"
+#include "common/core/polygon.h"
+
 namespace roundabout::planner::shield {
 
 namespace {
@@ -21,6 +24,11 @@ Vector2d limitedTo(const Vector2d& vector, double longest) {
 Crowd::Crowd(const CrowdSettings& settings, const ShieldParameters& parameters, std::uint64_t seed)
     : settings_(settings), parameters_(parameters), random_(seed, "crowd") {
   vehicles_.resize(static_cast<std::size_t>(settings.vehicles));
+  if (settings.room_half_side_m > 0.0) {
+    for (const Vector2d& out : {Vector2d(1, 0), Vector2d(0, 1), Vector2d(-1, 0), Vector2d(0, -1)}) {
+      walls_.push_back({out, settings.room_half_side_m});
+    }
+  }
   place();
 }
 
@@ -33,12 +41,18 @@ void Crowd::place() {
     each.next_decision_s =
         time_s_ + (settings_.ideal ? 0.0 : random_.uniform(0.0, settings_.period_s));
     const auto somewhere = [&] {
-      half_side_m *= 1.005;
+      half_side_m *= settings_.room_half_side_m > 0.0 ? 1.0 : 1.005;
       return Vector2d(random_.uniform(-half_side_m, half_side_m),
                       random_.uniform(-half_side_m, half_side_m));
     };
     const auto isFree = [&](const Vector2d& place) {
-      return std::all_of(vehicles_.begin(), vehicles_.begin() + static_cast<std::ptrdiff_t>(i),
+      const bool off_obstacles =
+          std::all_of(settings_.obstacles.begin(), settings_.obstacles.end(),
+                      [&](const core::Polygon& polygon) {
+                        return core::distanceTo(polygon, place) > each.radius_m + 0.1;
+                      });
+      return off_obstacles &&
+             std::all_of(vehicles_.begin(), vehicles_.begin() + static_cast<std::ptrdiff_t>(i),
                          [&](const Vehicle& other) {
                            return (other.position_m - place).norm() >
                                   other.radius_m + each.radius_m + 0.1;
@@ -62,7 +76,7 @@ void Crowd::observe() {
       if (!watcher.observers[j].seen() || !random_.chance(settings_.loss)) {
         watcher.observers[j].onState(
             time_s_, seen.position_m + settings_.position_noise_m * noise,
-            seen.velocity_mps + settings_.velocity_noise_mps * velocity_noise, 0.0);
+            seen.velocity_mps + settings_.velocity_noise_mps * velocity_noise, seen.heading_rad);
       }
     }
   }
@@ -101,7 +115,8 @@ void Crowd::decide(std::size_t i, const Want& want) {
     other.id = static_cast<int>(j);
   }
   const Vector2d velocity =
-      self.shield->decide(ego, neighbours, {}, want(*this, i), now_s).velocity_world_mps;
+      self.shield->decide(ego, neighbours, {walls_, settings_.obstacles}, want(*this, i), now_s)
+          .velocity_world_mps;
   if (settings_.ideal || !random_.chance(settings_.loss)) {
     const double from_s = now_s + settings_.truth.delay_s;
     self.commands.push_back({from_s, from_s + parameters_.hold_s, velocity});
@@ -112,6 +127,19 @@ void Crowd::decide(std::size_t i, const Want& want) {
       vehicles_[j].observers[i].onCommand(now_s, velocity, parameters_.hold_s);
     }
   }
+}
+
+// Along its heading, with a limit on the turn rate.
+void Crowd::drive(Vehicle& each, const Vector2d& command, double step_s) const {
+  const double speed = command.norm();
+  const double left =
+      speed > 0.0 ? core::wrapToPi(std::atan2(command.y(), command.x()) - each.heading_rad) : 0.0;
+  const double most = settings_.truth.max_turn_rate_radps * step_s;
+  each.heading_rad += std::clamp(left, -most, most);
+  const Vector2d along(std::cos(each.heading_rad), std::sin(each.heading_rad));
+  const Vector2d wanted = std::max(0.0, along.dot(command)) * along;
+  each.velocity_mps += limitedTo((wanted - each.velocity_mps) * (step_s / settings_.truth.lag_s),
+                                 settings_.truth.max_acceleration_mps2 * step_s);
 }
 
 void Crowd::move(double step_s) {
@@ -126,6 +154,8 @@ void Crowd::move(double step_s) {
     }
     if (settings_.ideal) {
       each.velocity_mps = command;
+    } else if (settings_.truth.turns()) {
+      drive(each, command, step_s);
     } else {
       const Vector2d wanted = limitedTo((command - each.velocity_mps) / settings_.truth.lag_s,
                                         settings_.truth.max_acceleration_mps2);
@@ -138,6 +168,16 @@ void Crowd::move(double step_s) {
 }
 
 void Crowd::noteGaps() {
+  for (const Vehicle& each : vehicles_) {
+    for (const Wall& wall : walls_) {
+      closest_static_m_ = std::min(
+          closest_static_m_, wall.offset_m - each.radius_m - wall.normal.dot(each.position_m));
+    }
+    for (const core::Polygon& polygon : settings_.obstacles) {
+      closest_static_m_ =
+          std::min(closest_static_m_, core::distanceTo(polygon, each.position_m) - each.radius_m);
+    }
+  }
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     for (std::size_t j = i + 1; j < vehicles_.size(); ++j) {
       closest_m_ = std::min(closest_m_, (vehicles_[i].position_m - vehicles_[j].position_m).norm() -

@@ -22,7 +22,9 @@ struct CrowdSettings {
   double state_age_s = 0.02;
   double position_noise_m = 0.001;
   double velocity_noise_mps = 0.02;
-  double loss = 0.05;  ///< of states, and of commands by each who should hear them
+  double loss = 0.05;             ///< of states, and of commands by each who should hear them
+  double room_half_side_m = 0.0;  ///< 0: no walls
+  std::vector<core::Polygon> obstacles{};  ///< convex
 };
 
 /// Shielded vehicles that fly what somebody else wants.
@@ -31,6 +33,7 @@ class Crowd {
   struct Vehicle {
     Eigen::Vector2d position_m, velocity_mps{0, 0}, acceleration_mps2{0, 0};
     Eigen::Vector2d goal_m;
+    double heading_rad = 0.0;
     double radius_m, top_speed_mps;
     double next_decision_s;
     struct OnTheWay {
@@ -52,12 +55,15 @@ class Crowd {
   const std::vector<Vehicle>& vehicles() const { return vehicles_; }
   core::RandomStream& random() { return random_; }
   double closestGapM() const { return closest_m_; }
+  /// Between any vehicle and a wall or an obstacle.
+  double closestStaticM() const { return closest_static_m_; }
 
  private:
   void place();
   void decide(std::size_t i, const Want& want);
   void observe();
   void move(double step_s);
+  void drive(Vehicle& each, const Eigen::Vector2d& command, double step_s) const;
   void noteGaps();
 
   CrowdSettings settings_;
@@ -66,6 +72,8 @@ class Crowd {
   std::vector<Vehicle> vehicles_;
   double time_s_ = 1.0;
   double closest_m_ = 1e9;
+  double closest_static_m_ = 1e9;
+  std::vector<Wall> walls_;
 };
 
 /// Straight at the nearest other vehicle, at top speed.
