@@ -44,10 +44,13 @@ class BrakeConstraints {
   void predictOwn();
   void addNeighbour(const Neighbour& neighbour);
   void addObstacle(const core::Polygon& obstacle);
+  void addUnshielded(const Neighbour& neighbour);
   void addWall(const Wall& wall);
   void addBeside(Points points, double apart_m, double share);
   void add(const Eigen::Vector2d& normal, double usable_m, double share);
+  bool overlapInHeight(const Neighbour& neighbour) const;
   bool mayMeet(const Neighbour& neighbour) const;
+  bool granted(const Eigen::Vector2d& velocity_mps) const;
   bool rollsOut(const Eigen::Vector2d& velocity_mps) const;
   Eigen::Vector2d slowed(const Eigen::Vector2d& wanted_mps) const;
 
@@ -64,6 +67,8 @@ class BrakeConstraints {
   std::vector<Line> lines_;
   std::vector<HalfPlane> half_planes_;
   std::size_t first_static_ = 0;
+  std::vector<HalfPlane> wishes_;  // given up where they cannot be kept: of the unshielded
+  std::vector<HalfPlane> all_;     // for one call
   double smallest_gap_m_ = std::numeric_limits<double>::infinity();
   LinearProgram program_;
 };

@@ -131,7 +131,7 @@ class Schedule {
 
  private:
   double endOf(const SentCommand& command) const {
-    return delay_s_ - command.age_s + command.valid_for_s;
+    return std::max(command.valid_for_s, delay_s_ + Path::kStep_s) - command.age_s;
   }
   Vector2d valueOf(const SentCommand& command, double time_s) const {
     return time_s < endOf(command) ? command.velocity_world_mps : Vector2d(Vector2d::Zero());

@@ -25,8 +25,9 @@ struct MotionBounds {
 /// A velocity command that was issued. World frame.
 struct SentCommand {
   Eigen::Vector2d velocity_world_mps = Eigen::Vector2d::Zero();
-  double age_s = 0.0;        ///< since it was issued, now
-  double valid_for_s = 0.0;  ///< after it was issued; then the vehicle brakes by itself
+  double age_s = 0.0;  ///< since it was issued, now
+  /// After it was issued; then the vehicle brakes by itself. Longer than its delay.
+  double valid_for_s = 0.0;
 };
 
 /// What is known of a vehicle's motion, and so of its next seconds. World frame.
@@ -68,8 +69,8 @@ enum class Arrival { kAll, kLastIsLost };
 void predict(const Motion& motion, const MotionBounds& bounds, Arrival arrival,
              const SentCommand* next, Path& path);
 
-/// How far a unit velocity command that takes effect after the delay and ends hold_s later has
-/// carried a vehicle without a limit on acceleration, after each step of a path. s.
+/// How far a unit velocity command that is issued now and expires after hold_s has carried a
+/// vehicle without a limit on acceleration, after each step of a path. s.
 std::array<double, Path::kMost> reachOf(const MotionBounds& bounds, double hold_s);
 
 }  // namespace roundabout::planner::shield

@@ -64,8 +64,8 @@ Vector2d Observer::commandAt(double time_s) const {
   for (std::size_t i = issued_.size(); i-- > 0;) {
     const double since_s = time_s - issued_[i].at_s;
     if (since_s >= bounds_.delay_s) {
-      return since_s < bounds_.delay_s + issued_[i].valid_for_s ? issued_[i].velocity_mps
-                                                                : Vector2d(Vector2d::Zero());
+      return since_s < issued_[i].valid_for_s ? issued_[i].velocity_mps
+                                              : Vector2d(Vector2d::Zero());
     }
   }
   return Vector2d::Zero();

@@ -6,8 +6,8 @@ namespace roundabout::planner::shield {
 
 /// Everything the shield can be told. The bounds of vehicles are with the vehicles (MotionBounds).
 struct ShieldParameters {
-  double period_s = 0.1;   ///< between decisions
-  double hold_s = 0.2;     ///< commands are valid for this long; at least one period
+  double period_s = 0.1;  ///< between decisions
+  double hold_s = 0.3;    ///< commands expire so long after they were issued: delay and two periods
   double margin_m = 0.03;  ///< between bodies: errors of measurement and of prediction
   /// A command is slowed down rather than turned. For ideal agents whose policies count on their
   /// headings.

@@ -11,7 +11,7 @@
 #include "common/core/polygon.h"
 #include "planner/linear_program/linear_program.h"
 #include "planner/policies/orca/obstacle.h"
-#include "planner/policies/orca/velocity_obstacle.h"
+#include "planner/linear_program/velocity_obstacle.h"
 
 namespace roundabout::planner {
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/policies/orca/obstacle.h"
-#include "planner/policies/orca/velocity_obstacle.h"
+#include "planner/linear_program/velocity_obstacle.h"
 #include "tests/planner/policies/random_scene.h"
 
 namespace roundabout::planner {

@@ -1,4 +1,4 @@
-#include "planner/policies/orca/velocity_obstacle.h"
+#include "planner/linear_program/velocity_obstacle.h"
 
 #include <algorithm>
 #include <cmath>

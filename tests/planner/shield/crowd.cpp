@@ -119,7 +119,7 @@ void Crowd::decide(std::size_t i, const Want& want) {
           .velocity_world_mps;
   if (settings_.ideal || !random_.chance(settings_.loss)) {
     const double from_s = now_s + settings_.truth.delay_s;
-    self.commands.push_back({from_s, from_s + parameters_.hold_s, velocity});
+    self.commands.push_back({from_s, now_s + parameters_.hold_s, velocity});
   }
   self.observers[i].onCommand(now_s, velocity, parameters_.hold_s);
   for (std::size_t j = 0; j < vehicles_.size(); ++j) {
