@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/bus/listen.h"
 #include "common/bus/messages.h"
@@ -27,8 +28,9 @@ bool usable(const core::VehicleState& state) {
 
 }  // namespace
 
-StatePublisher::StatePublisher(bus::Bus& bus, const std::vector<std::string>& vehicles)
-    : bus_(bus) {
+StatePublisher::StatePublisher(bus::Bus& bus, const std::vector<std::string>& vehicles,
+                               std::string channel)
+    : bus_(bus), channel_(std::move(channel)) {
   for (const std::string& name : vehicles) {
     out_.vehicles.emplace_back().name = name;
   }
@@ -72,20 +74,26 @@ bool StatePublisher::publish(const core::StatesFrame& frame) {
   }
   out_.frame_number = numberOf(frame);
   out_.utime = frame.utime;
+  const bool exposed_before = frame.exposure_utime > 0 && frame.exposure_utime <= frame.utime;
+  out_.exposure_utime = exposed_before ? frame.exposure_utime : frame.utime;
   source_number_ = frame.frame_number;
   for (std::size_t i = 0; i < frame.vehicles.size(); ++i) {
     const core::VehicleState& in = frame.vehicles[i];
     core::VehicleState& out = out_.vehicles[i];
-    if (in.tracked && usable(in)) {
+    const bool shown = in.tracked || (in.predicted && out.last_seen != 0);
+    if (shown && usable(in)) {
+      const core::Utime last_seen = in.tracked ? out_.exposure_utime : out.last_seen;
       out = in;
       out.orientation.normalize();
-      out.last_seen = frame.utime;
+      out.predicted = !in.tracked;
+      out.last_seen = last_seen;
     } else {
-      counters_.rejected_states += in.tracked ? 1 : 0;
+      counters_.rejected_states += shown ? 1 : 0;
       out.tracked = false;
+      out.predicted = false;
     }
   }
-  bus::publish(bus_, bus::kStatesChannel, bus::toMessage(out_));
+  bus::publish(bus_, channel_, bus::toMessage(out_));
   ++counters_.published;
   return true;
 }

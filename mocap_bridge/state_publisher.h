@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/bus/bus.h"
+#include "common/bus/messages.h"
 #include "common/core/frame_gate.h"
 #include "common/core/vehicle_state.h"
 
@@ -17,8 +18,9 @@ namespace roundabout::mocap_bridge {
 /// Publishes frames and keeps the promises of lcmtypes/vehicle_states_t.lcm whatever it is given:
 /// utime increases, but for a source that was started anew (core::FrameGate), frame_number always;
 /// vehicles stand in the order of the experiment, numbers are finite, quaternions are unit,
-/// last_seen is the utime of the last frame in which the vehicle was tracked, and a vehicle that is
-/// not tracked shows its last estimate (zeros before the first).
+/// last_seen is the exposure_utime of the last frame in which the vehicle was tracked, and a
+/// vehicle that is not tracked shows what was predicted of it, else its last estimate (zeros before
+/// the first).
 ///
 /// Numbers begin with the source's and grow by what the source's grow by, so that frames which
 /// were lost are missing in them; a step that the time between the frames does not allow counts as
@@ -32,10 +34,11 @@ class StatePublisher {
   };
 
   /// `vehicles`: names in the order of the experiment file.
-  StatePublisher(bus::Bus& bus, const std::vector<std::string>& vehicles);
+  StatePublisher(bus::Bus& bus, const std::vector<std::string>& vehicles,
+                 std::string channel = bus::kStatesChannel);
 
-  /// Of a tracked vehicle everything but last_seen is used, of another one only the name. A
-  /// rejected state goes out as not tracked. Returns false if the frame was dropped.
+  /// Of a tracked or predicted vehicle everything but last_seen is used, of another one only the
+  /// name. A rejected state goes out as not tracked. Returns false if the frame was dropped.
   bool publish(const core::StatesFrame& frame);
 
   /// What went out last.
@@ -48,6 +51,7 @@ class StatePublisher {
   std::int64_t numberOf(const core::StatesFrame& frame) const;
 
   bus::Bus& bus_;
+  std::string channel_;
   core::FrameGate gate_;
   core::StatesFrame out_;
   std::int64_t source_number_ = 0;  // of the last published frame

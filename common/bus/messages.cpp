@@ -31,6 +31,7 @@ roundabout_msgs::vehicle_states_t toMessage(const core::StatesFrame& frame) {
   roundabout_msgs::vehicle_states_t message;
   message.utime = frame.utime;
   message.frame_number = frame.frame_number;
+  message.exposure_utime = frame.exposure_utime == 0 ? frame.utime : frame.exposure_utime;
   message.num_vehicles = static_cast<std::int32_t>(frame.vehicles.size());
   message.vehicles.resize(frame.vehicles.size());
   for (std::size_t i = 0; i < frame.vehicles.size(); ++i) {
@@ -45,6 +46,7 @@ roundabout_msgs::vehicle_states_t toMessage(const core::StatesFrame& frame) {
     out.orientation[3] = state.orientation.z();
     copyTo(out.angular_velocity, state.angular_velocity_body_radps);
     out.tracked = state.tracked ? 1 : 0;
+    out.predicted = state.predicted ? 1 : 0;
     out.last_seen = state.last_seen;
   }
   return message;
@@ -87,6 +89,7 @@ int fromMessage(const roundabout_msgs::vehicle_states_t& message, core::StatesFr
   int unusable = 0;
   frame.utime = message.utime;
   frame.frame_number = message.frame_number;
+  frame.exposure_utime = message.exposure_utime;
   frame.vehicles.resize(message.vehicles.size());
   for (std::size_t i = 0; i < message.vehicles.size(); ++i) {
     const roundabout_msgs::vehicle_state_t& in = message.vehicles[i];
@@ -106,6 +109,7 @@ int fromMessage(const roundabout_msgs::vehicle_states_t& message, core::StatesFr
     state.orientation = orientation;
     state.angular_velocity_body_radps = vectorOf(in.angular_velocity);
     state.tracked = in.tracked != 0;
+    state.predicted = in.predicted != 0;
   }
   return unusable;
 }

@@ -16,6 +16,9 @@
 namespace roundabout::bus {
 
 inline constexpr const char* kStatesChannel = "VEHICLE_STATES";
+/// Where `sim --scene` publishes what cameras would see, as vehicle_states_t, for an emulated
+/// motion-capture system. Nothing that flies listens to it.
+inline constexpr const char* kSceneChannel = "MOCAP_SCENE";
 inline constexpr const char* kMissionChannel = "MISSION";
 inline constexpr const char* kFleetStatusChannel = "FLEET_STATUS";
 inline constexpr const char* kSafetyOrderChannel = "SAFETY_ORDER";

@@ -39,7 +39,7 @@ template <class Message>
 inline constexpr std::span<const CountField> kCountFields{};
 
 namespace count_fields {
-inline constexpr CountField kVehicleStates[] = {{24, 118}};
+inline constexpr CountField kVehicleStates[] = {{32, 119}};
 inline constexpr CountField kPlannerStatus[] = {{16, 4}};
 inline constexpr CountField kMission[] = {{16, 24}};
 inline constexpr CountField kPlanarLidar[] = {{16, 4}};  // and one behind the first array

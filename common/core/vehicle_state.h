@@ -18,6 +18,7 @@ struct VehicleState {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // body to world
   Eigen::Vector3d angular_velocity_body_radps = Eigen::Vector3d::Zero();
   bool tracked = false;
+  bool predicted = false;  ///< not tracked, for so short a time that the rest is a prediction
   Utime last_seen = 0;
 };
 
@@ -26,6 +27,7 @@ struct StatesFrame {
   Utime utime = 0;
   std::int64_t frame_number = 0;
   std::vector<VehicleState> vehicles;
+  Utime exposure_utime = 0;  ///< of the newest camera frame in it; 0: the same as utime
 };
 
 /// Yaw of a body-to-world rotation: the direction of the body's x axis in the floor plane. rad,

@@ -161,6 +161,29 @@ TEST_F(StatePublisherTest, KeepsTheLastEstimateAndLastSeenOfAHiddenVehicle) {
   EXPECT_EQ(publisher_.counters().rejected_states, 0);
 }
 
+TEST_F(StatePublisherTest, APredictionIsShownAsSuchAndItsAgeStays) {
+  publishNext();
+  frame_.vehicles[0].tracked = false;
+  frame_.vehicles[0].predicted = true;
+  frame_.vehicles[0].position_world_m.x() = 3.0;
+  publishNext();
+  EXPECT_FALSE(first().tracked);
+  EXPECT_TRUE(first().predicted);
+  EXPECT_EQ(first().position[0], 3.0);
+  EXPECT_EQ(first().last_seen, 1'005'000);
+  EXPECT_FALSE(second().predicted);
+}
+
+TEST_F(StatePublisherTest, ResampledStatesSayTheExposureAndWereSeenThen) {
+  frame_.exposure_utime = 1'002'000;
+  publishNext();
+  EXPECT_EQ(heard_.back().exposure_utime, 1'002'000);
+  EXPECT_EQ(first().last_seen, 1'002'000);
+  frame_.exposure_utime = 9'000'000;
+  publishNext();
+  EXPECT_EQ(heard_.back().exposure_utime, heard_.back().utime) << "no exposure in the future";
+}
+
 TEST_F(StatePublisherTest, AVehicleThatWasNeverSeenShowsZeros) {
   frame_.vehicles[0].position_world_m.x() = 9.0;
   frame_.vehicles[0].tracked = false;

@@ -23,6 +23,7 @@ inline roundabout_msgs::vehicle_states_t sample() {
   roundabout_msgs::vehicle_states_t message{};
   message.utime = 1'005'000;
   message.frame_number = 1;
+  message.exposure_utime = 1'002'000;
   message.num_vehicles = 2;
   message.vehicles.resize(2);
   for (int i = 0; i < 2; ++i) {
