@@ -9,6 +9,7 @@
 #include "cli/spy_command.h"
 #include "learning/evaluation/evaluate_command.h"
 #include "logs/log_commands.h"
+#include "mocap_bridge/tools/mocap_commands.h"
 #include "planner/policy_tools/policy_commands.h"
 
 namespace roundabout::cli {
@@ -19,6 +20,7 @@ void addCommands(CLI::App& app, int& exit_status) {
   addMissionCommand(app, exit_status);
   learning::addEvaluateCommand(app, exit_status);
   logs::addLogCommands(app);
+  mocap_bridge::addMocapCommands(app, exit_status);
   addReplayCommand(app, exit_status);
   addScriptCommand(app);
   addSpyCommand(app, exit_status);

@@ -168,6 +168,31 @@ void checkLimits(const Experiment& experiment, const Refuse& refuse) {
   }
 }
 
+void checkMocap(const Experiment& experiment, const Refuse& refuse) {
+  const std::vector<MocapBody>& bodies = experiment.mocap.bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::string path = fmt::format("mocap.bodies[{}]", i);
+    expectVehicle(experiment, path + ".vehicle", bodies[i].vehicle, refuse);
+    if (!bodies[i].body.empty() && bodies[i].id >= 0) {
+      refuse(path, "a body or an id", "both");
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (bodies[j].vehicle == bodies[i].vehicle) {
+        refuse(path + ".vehicle", "one body a vehicle",
+               fmt::format("\"{}\", which mocap.bodies[{}] has too", bodies[i].vehicle, j));
+      }
+    }
+  }
+  if (experiment.source == "replay" && experiment.mocap.file.empty()) {
+    refuse("mocap.file", "the recording that source: replay plays", "nothing");
+  }
+  const bool needs_server = experiment.source == "qualisys" || experiment.source == "vrpn";
+  if (needs_server && experiment.mocap.server.empty()) {
+    refuse("mocap.server", "the address or name of the machine that serves " + experiment.source,
+           "nothing");
+  }
+}
+
 void expectPoints(const Experiment& experiment, const std::string& path, std::size_t count,
                   const Refuse& refuse) {
   if (count < 1 || count > experiment.vehicles.size()) {
@@ -263,6 +288,7 @@ void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
   }
   checkStartArea(experiment, refuse);
   checkLimits(experiment, refuse);
+  checkMocap(experiment, refuse);
   checkMission(experiment, refuse);
 }
 

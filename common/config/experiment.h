@@ -183,6 +183,53 @@ struct Obstacle {
   std::vector<Eigen::Vector2d> points_m;  ///< corners of a simple polygon, counter-clockwise; world
 };
 
+/// Which rigid body of the motion-capture system is a vehicle, and how it sits on it. A vehicle
+/// without an entry is the body of its own name.
+struct MocapBody {
+  std::string vehicle;
+  std::string body;  ///< name in the system; empty: the vehicle's, unless there is an id
+  int id = -1;       ///< streaming id, for systems without names; negative: by name
+  Eigen::Vector3d offset_m{0.0, 0.0, 0.0};      ///< of the vehicle's centre, in the body's axes
+  Eigen::Vector3d rotation_rad{0.0, 0.0, 0.0};  ///< roll, pitch, yaw of the vehicle in the body
+};
+
+/// What is believed of vehicles' movement and of the cameras. mocap_bridge/estimation.
+struct MocapFilter {
+  double position_noise_m = 0.0002;           ///< standard deviation of a measurement, per axis
+  double orientation_noise_rad = 0.002;       ///< the same of the attitude
+  double jerk_mps3 = 30.0;                    ///< that vehicles are expected to reach
+  double angular_acceleration_radps2 = 10.0;  ///< the same of turning
+  double max_turn_rate_radps = 12.0;          ///< no honest measurement turns faster than this
+  double max_residual_m = 0.005;  ///< fits that are worse are refused; where systems say it
+  double coast_s = 0.1;           ///< without measurements for this long: lost
+  double reacquire_s = 0.05;      ///< of consistent measurements before a lost body counts
+};
+
+/// The motion-capture system that mocap_bridge listens to; which protocol is `source`'s to say.
+struct Mocap {
+  std::string server;  ///< address or name; empty: natnet looks for one, vicon_udp takes any
+  std::string
+      interface;         ///< address or name of this machine's interface; empty: the routes' choice
+  int command_port = 0;  ///< 0: the protocol's default
+  int data_port = 0;     ///< of datagrams; 0: what the server says, else the protocol's default
+  std::string group;     ///< multicast; empty: what the server says
+  std::string transport = "auto";   ///< natnet: auto (what the server says), multicast or unicast
+  std::string protocol = "natnet";  ///< of replay's packet file
+  std::string version;              ///< of replay's packets, if none of them says it
+  std::string file;                 ///< replay: packets or an LCM event log
+  double speed = 1.0;               ///< replay: times real time; 0: as fast as it goes
+  std::string axes = "auto";        ///< auto (the protocol's habit), y_up, z_up, or as "x,-z,y"
+  std::string rotation = "xyz";     ///< vicon_udp: xyz (intrinsic), zyx or vector
+  double scale = 1.0;               ///< applied to positions, beyond the protocol's unit
+  double latency_s = 0.005;         ///< exposure to arrival, for systems that do not say it
+  double rate_hz = 0.0;             ///< of the cameras, for systems that do not say it; 0: learn it
+  bool accept_recorded = false;     ///< also publish what the system plays back (edit mode)
+  std::string output = "camera";    ///< one message a camera frame, or resampled to output_rate_hz
+  double output_rate_hz = 200.0;
+  MocapFilter filter;
+  std::vector<MocapBody> bodies;
+};
+
 struct NamedPoints {
   std::string name;
   std::vector<Eigen::Vector3d> points_m;
@@ -210,6 +257,7 @@ struct Experiment {
   Safety safety;
   Fleet fleet;
   Sim sim;
+  Mocap mocap;
   std::vector<NamedPoints>
       glyphs;  ///< points that replace the built-in letter for a spelled character
   std::vector<MissionStep> mission;

@@ -181,6 +181,54 @@ void describe(Visitor& visit, Sim& sim) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, MocapBody& body) {
+  visit("vehicle", body.vehicle, identifier());
+  visit("body", body.body);
+  visit("id", body.id);
+  visit("offset_m", body.offset_m);
+  visit("rotation_rad", body.rotation_rad);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, MocapFilter& filter) {
+  visit("position_noise_m", filter.position_noise_m, between(1e-6, 0.1));
+  visit("orientation_noise_rad", filter.orientation_noise_rad, between(1e-6, 0.5));
+  visit("jerk_mps3", filter.jerk_mps3, above(0.0));
+  visit("angular_acceleration_radps2", filter.angular_acceleration_radps2, above(0.0));
+  visit("max_turn_rate_radps", filter.max_turn_rate_radps, above(0.0));
+  visit("max_residual_m", filter.max_residual_m, above(0.0));
+  visit("coast_s", filter.coast_s, between(0.0, 1.0));
+  visit("reacquire_s", filter.reacquire_s, between(0.0, 1.0));
+}
+
+/// Protocols that mocap_bridge speaks: the entries of its table of sources.
+inline const std::vector<std::string> kMocapProtocols = {"natnet", "qualisys", "vrpn", "vicon_udp"};
+
+template <class Visitor>
+void describe(Visitor& visit, Mocap& mocap) {
+  visit("server", mocap.server);
+  visit("interface", mocap.interface);
+  visit("command_port", mocap.command_port, between(0.0, 65535.0));
+  visit("data_port", mocap.data_port, between(0.0, 65535.0));
+  visit("group", mocap.group);
+  visit("transport", mocap.transport, oneOf({"auto", "multicast", "unicast"}));
+  visit("protocol", mocap.protocol, oneOf(kMocapProtocols));
+  visit("version", mocap.version);
+  visit("file", mocap.file);
+  visit("speed", mocap.speed, atLeast(0.0));
+  visit("axes", mocap.axes);
+  visit("rotation", mocap.rotation, oneOf({"xyz", "zyx", "vector"}));
+  visit("scale", mocap.scale, above(0.0));
+  visit("latency_s", mocap.latency_s, between(0.0, 1.0));
+  visit("rate_hz", mocap.rate_hz, between(0.0, 2000.0));
+  visit("accept_recorded", mocap.accept_recorded);
+  visit("output", mocap.output, oneOf({"camera", "resampled"}));
+  visit("output_rate_hz", mocap.output_rate_hz, between(10.0, 1000.0));
+  visit("filter", mocap.filter);
+  visit("bodies", mocap.bodies);
+}
+
+template <class Visitor>
 void describe(Visitor& visit, NamedPoints& named) {
   visit("name", named.name);
   visit("points_m", named.points_m, heightOptional());
@@ -213,8 +261,9 @@ void describeArguments(Visitor& visit, MissionStep& step) {
   }
 }
 
-/// Who can publish VEHICLE_STATES; the first is the simulator.
-inline const std::vector<std::string> kSources = {"sim"};
+/// Who can publish VEHICLE_STATES: the simulator, or mocap_bridge with one of its sources.
+inline const std::vector<std::string> kSources = {"sim",  "natnet",    "qualisys",
+                                                  "vrpn", "vicon_udp", "replay"};
 
 template <class Visitor>
 void describe(Visitor& visit, Experiment& experiment) {
@@ -232,6 +281,7 @@ void describe(Visitor& visit, Experiment& experiment) {
   visit("safety", experiment.safety);
   visit("fleet", experiment.fleet);
   visit("sim", experiment.sim);
+  visit("mocap", experiment.mocap);
   visit("glyphs", experiment.glyphs);
   visit("mission", experiment.mission);
 }

@@ -88,7 +88,8 @@ TEST(ConfigError, UnknownKeyAtTheTop) {
   EXPECT_EQ(
       errorBelow("misson: [land]\n"),
       "lab.yaml:2: misson: expected one of name, seed, source, lcm_url, room, "
-      "obstacles, vehicle_defaults, vehicles, planner, safety, fleet, sim, glyphs, mission, found "
+      "obstacles, vehicle_defaults, vehicles, planner, safety, fleet, sim, mocap, glyphs, mission, "
+      "found "
       "\"misson\" (did you mean \"mission\"?)");
 }
 
@@ -288,7 +289,9 @@ TEST(ConfigError, FloorThatIsNotWhereZIsZero) {
 }
 
 TEST(ConfigError, SourceThatNobodyImplements) {
-  EXPECT_EQ(errorBelow("source: simm\n"), "lab.yaml:2: source: expected sim, found \"simm\"");
+  EXPECT_EQ(errorBelow("source: simm\n"),
+            "lab.yaml:2: source: expected sim or natnet or qualisys or vrpn or vicon_udp or "
+            "replay, found \"simm\"");
 }
 
 TEST(ConfigError, StepTooShortToCount) {

@@ -10,7 +10,7 @@ inline Experiment oneOfEverything() {
   Experiment e;
   e.name = "everything";
   e.seed = 18446744073709551615ULL;
-  e.source = "sim";  // the only one yet
+  e.source = "replay";
   e.lcm_url = "udpm://239.255.76.68:7668?ttl=0";
   e.room = {{-6.5, -5.25, 0.0}, {6.5, 5.75, 3.3}};
 
@@ -69,6 +69,28 @@ inline Experiment oneOfEverything() {
   e.sim.command_hold_s = 0.35;
   e.sim.command_land_s = 1.5;
   e.sim.pushes = {{"hex_1", 3.0, 0.75, {1.0, -2.0}}};
+
+  e.mocap.server = "192.168.0.106";
+  e.mocap.interface = "eth0";
+  e.mocap.command_port = 1610;
+  e.mocap.data_port = 1611;
+  e.mocap.group = "239.255.42.98";
+  e.mocap.transport = "unicast";
+  e.mocap.protocol = "vrpn";
+  e.mocap.version = "2.7";
+  e.mocap.file = "lab.packets";
+  e.mocap.speed = 2.0;
+  e.mocap.axes = "z,x,y";
+  e.mocap.rotation = "zyx";
+  e.mocap.scale = 0.001;
+  e.mocap.latency_s = 0.007;
+  e.mocap.rate_hz = 120.0;
+  e.mocap.accept_recorded = true;
+  e.mocap.output = "resampled";
+  e.mocap.output_rate_hz = 100.0;
+  e.mocap.filter = {0.0003, 0.003, 40.0, 20.0, 15.0, 0.006, 0.12, 0.06};
+  e.mocap.bodies = {{"hex_1", "Body 1", -1, {0.1, 0.0, -0.2}, {0.0, 0.1, 0.2}},
+                    {"2", "", 17, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
 
   e.glyphs = {{"#", {{0.0, 1.0, 1.5}, {1.0, 2.0, 1.25}}}};
   e.mission = {{"take_off", "", "", {}, -1.0, ""},

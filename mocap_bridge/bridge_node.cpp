@@ -1,0 +1,187 @@
+#include "mocap_bridge/bridge_node.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+namespace roundabout::mocap_bridge {
+
+namespace {
+
+constexpr core::Utime kCheckSetUpAfter = 2 * core::kMicrosPerSecond;
+// Without a camera frame for so long there is nothing to predict from.
+constexpr core::Utime kLongestPrediction = 100'000;
+// Measurements may be a little outside the room.
+constexpr double kRoomMargin_m = 1.0;
+constexpr double kUpright = 0.7;
+
+std::vector<std::string> namesOf(const config::Experiment& experiment) {
+  std::vector<std::string> names;
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    names.push_back(vehicle.name);
+  }
+  return names;
+}
+
+bool inside(const config::Room& room, const Eigen::Vector3d& position_m) {
+  return ((position_m - room.min_m).array() > -kRoomMargin_m).all() &&
+         ((room.max_m - position_m).array() > -kRoomMargin_m).all();
+}
+
+}  // namespace
+
+BridgeNode::BridgeNode(const config::Experiment& experiment, std::unique_ptr<Source> source,
+                       const std::string& usual_axes, bus::Bus& bus)
+    : room_(experiment.room),
+      resampled_(experiment.mocap.output == "resampled"),
+      period_us_(core::toUtime(1.0 / experiment.mocap.output_rate_hz)),
+      source_(std::move(source)),
+      estimator_(experiment, usual_axes),
+      publisher_(bus, namesOf(experiment)) {}
+
+void BridgeNode::poll(core::Utime now) {
+  source_->poll(now, *this);
+  if (resampled_) {
+    publishResampled(source_->dataTime(now));
+  }
+}
+
+core::Utime BridgeNode::nextDeadline(core::Utime now) const {
+  constexpr core::Utime kLongest = 20'000;
+  return resampled_ && last_tick_ != 0 ? std::min(now + kLongest, last_tick_ + period_us_)
+                                       : now + kLongest;
+}
+
+void BridgeNode::onFrame(const SourceFrame& frame) {
+  const bool used = estimator_.update(frame);
+  if (used && !resampled_) {
+    publisher_.publish(estimator_.states());
+  }
+  if (frame.recorded && !used) {
+    notes_.once(
+        "recorded",
+        "the system plays a recording back (Motive: Edit mode): not published as live. Go to "
+        "Live, or set mocap.accept_recorded");
+  } else {
+    notes_.over("recorded", "the system is live again");
+  }
+  if (used) {
+    first_frame_ = first_frame_ == 0 ? frame.exposure_utime : first_frame_;
+    noteTracks(frame);
+    noteSetUp(frame);
+  }
+}
+
+void BridgeNode::publishResampled(core::Utime data_time) {
+  const core::Utime tick = data_time / period_us_ * period_us_;
+  const core::Utime exposure = estimator_.states().exposure_utime;
+  if (tick == last_tick_ || exposure == 0) {
+    return;
+  }
+  ticks_ += last_tick_ == 0 || tick < last_tick_ ? 1 : (tick - last_tick_) / period_us_;
+  last_tick_ = tick;
+  if (tick < exposure || tick - exposure > kLongestPrediction) {
+    return;
+  }
+  core::StatesFrame states = estimator_.statesAt(tick);
+  states.frame_number = ticks_;
+  publisher_.publish(states);
+}
+
+void BridgeNode::noteTracks(const SourceFrame& frame) {
+  for (const StateEstimator::Vehicle& vehicle : estimator_.vehicles()) {
+    if (vehicle.tracker.stuckSince(frame.exposure_utime)) {
+      notes_.once(
+          "stuck " + vehicle.name,
+          vehicle.last == Verdict::kFlip
+              ? fmt::format("{}: body {} has been seen the wrong way round for a second and is "
+                            "not believed. Are its markers too symmetric?",
+                            vehicle.name, vehicle.body)
+              : fmt::format("{}: body {} has been seen at another vehicle's place for a second "
+                            "and is not believed. Have two bodies been exchanged?",
+                            vehicle.name, vehicle.body));
+    } else if (vehicle.last == Verdict::kAccepted) {
+      notes_.over("stuck " + vehicle.name, vehicle.name + " is believed again");
+    }
+  }
+}
+
+void BridgeNode::noteSetUp(const SourceFrame& frame) {
+  if (set_up_checked_ || frame.exposure_utime - first_frame_ < kCheckSetUpAfter) {
+    return;
+  }
+  set_up_checked_ = true;
+  std::vector<std::string> streamed;
+  for (const BodyPose& body : frame.bodies) {
+    streamed.push_back(body.name.empty() ? fmt::format("id {}", body.id) : body.name);
+  }
+  for (std::size_t i = 0; i < estimator_.vehicles().size(); ++i) {
+    const StateEstimator::Vehicle& vehicle = estimator_.vehicles()[i];
+    if (!vehicle.streamed) {
+      notes_.say(fmt::format(
+          "{}: the system streams no body {} (mocap.bodies); it streams {}", vehicle.name,
+          vehicle.body, streamed.empty() ? "none" : fmt::format("{}", fmt::join(streamed, ", "))));
+    } else {
+      notePose(i);
+    }
+  }
+}
+
+// What units and axes that are wrong look like.
+void BridgeNode::notePose(std::size_t vehicle) {
+  const core::VehicleState& state = estimator_.states().vehicles[vehicle];
+  if (state.last_seen == 0) {
+    return;
+  }
+  const Eigen::Vector3d& at = state.position_world_m;
+  const std::string where =
+      fmt::format("{} is at ({:.2f}, {:.2f}, {:.2f})", state.name, at.x(), at.y(), at.z());
+  if (!inside(room_, at)) {
+    const bool millimetres = inside(room_, 0.001 * at) && at.norm() > 50.0;
+    const bool other_up = inside(room_, {at.x(), at.z(), at.y()}) ||
+                          inside(room_, {at.x(), -at.z(), at.y()}) ||
+                          inside(room_, {at.x(), at.z(), -at.y()});
+    notes_.say(where + ", outside the room" +
+               (millimetres ? ": are its units millimetres? (mocap.scale: 0.001)"
+                : other_up  ? ": is the other axis up? (mocap.axes: y_up or z_up)"
+                            : " (room, mocap.axes, mocap.scale)"));
+  }
+  if ((state.orientation * Eigen::Vector3d::UnitZ()).z() < kUpright) {
+    notes_.say(state.name +
+               " does not stand upright: is the other axis up (mocap.axes), or was the body made "
+               "while the vehicle was not level (mocap.bodies rotation_rad)?");
+  }
+}
+
+std::vector<std::string> BridgeNode::takeNotes() {
+  std::vector<std::string> notes = source_->takeNotes();
+  for (std::string& note : notes_.take()) {
+    notes.push_back(std::move(note));
+  }
+  return notes;
+}
+
+std::string BridgeNode::report() const {
+  const SourceCounters counters = source_->status().counters;
+  std::string text = fmt::format(
+      "{} packets, {} frames, {} messages; not used: {} broken, {} of other machines, {} doubled "
+      "or "
+      "late, {} with impossible stamps, {} played back; {} lost, {} restarts",
+      counters.packets, counters.frames, publisher_.counters().published, counters.malformed,
+      counters.wrong_sender, counters.old_frames, counters.bad_stamps,
+      estimator_.counters().recorded, counters.lost_frames, counters.restarts);
+  for (const StateEstimator::Vehicle& vehicle : estimator_.vehicles()) {
+    std::string refused;
+    for (std::size_t i = 1; i < kVerdicts; ++i) {
+      const auto verdict = static_cast<Verdict>(i);
+      if (const std::int64_t count = vehicle.tracker.count(verdict); count > 0) {
+        refused += fmt::format("{}{} {}", refused.empty() ? "" : ", ", count, nameOf(verdict));
+      }
+    }
+    text += fmt::format("\n  {}: {} measurements taken{}", vehicle.name,
+                        vehicle.tracker.count(Verdict::kAccepted),
+                        refused.empty() ? "" : "; not: " + refused);
+  }
+  return text;
+}
+
+}  // namespace roundabout::mocap_bridge

@@ -1,0 +1,208 @@
+#include "mocap_bridge/estimation/body_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mocap_bridge/estimation/rotation.h"
+
+namespace roundabout::mocap_bridge {
+
+namespace {
+
+constexpr double kUnitTolerance = 0.01;
+constexpr int kFrozenFrames = 3;
+// A measurement is expected within so many standard deviations and this much beside.
+constexpr double kGate = 6.0;
+constexpr double kPlaceMargin_m = 0.03;
+constexpr double kAngleMargin_rad = 0.3;
+// A turn by more than this in no time is a flip, not an outlier.
+constexpr double kFlip_rad = 1.0;
+constexpr int kEnough = 3;
+constexpr core::Utime kBelieveJumpAfter = core::kMicrosPerSecond;
+constexpr core::Utime kRememberPlace = 2 * core::kMicrosPerSecond;
+// Longer ago, nothing is known of where it is now.
+constexpr core::Utime kForget = 10 * core::kMicrosPerSecond;
+
+double angleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return toRotationVector(a.conjugate() * b).norm();
+}
+
+}  // namespace
+
+const char* nameOf(Verdict verdict) {
+  constexpr std::array<const char*, kVerdicts> kNames = {
+      "accepted", "absent", "not finite", "not a rotation", "bad fit",
+      "frozen",   "jump",   "flip",       "swap",           "acquiring"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+BodyTracker::BodyTracker(const TrackerSettings& settings) : settings_(settings) {}
+
+BodyTracker::Track BodyTracker::Track::predicted(core::Utime utime) const {
+  Track later = *this;
+  const double seconds = core::toSeconds(utime - last);
+  later.position.predict(seconds);
+  later.attitude.predict(seconds);
+  later.last = utime;
+  return later;
+}
+
+void BodyTracker::Track::take(core::Utime utime, const MeasuredPose& pose) {
+  position.update(pose.position_m);
+  attitude.update(pose.orientation);
+  last = utime;
+  ++measurements;
+}
+
+BodyTracker::Track BodyTracker::begin(core::Utime utime, const MeasuredPose& pose) const {
+  return {PositionFilter(settings_.position, pose.position_m, settings_.max_speed_mps,
+                         settings_.max_acceleration_mps2),
+          AttitudeFilter(settings_.attitude, pose.orientation, settings_.max_turn_rate_radps / 3.0),
+          utime, utime, 1};
+}
+
+BodyTracker::Fit BodyTracker::fitOf(const Track& expected, const MeasuredPose& pose) {
+  const double distance_m = (pose.position_m - expected.position.position()).norm();
+  const double angle_rad = angleBetween(expected.attitude.orientation(), pose.orientation);
+  const double place_deviation = expected.position.innovationDeviation();
+  const double angle_deviation = expected.attitude.innovationDeviation();
+  return {distance_m <= kGate * place_deviation + kPlaceMargin_m,
+          angle_rad <= kGate * angle_deviation + kAngleMargin_rad,
+          std::max(distance_m / place_deviation, angle_rad / angle_deviation)};
+}
+
+Verdict BodyTracker::check(const MeasuredPose& pose) {
+  if (!pose.tracked) {
+    return Verdict::kAbsent;
+  }
+  if (!pose.position_m.allFinite() || !pose.orientation.coeffs().allFinite()) {
+    return Verdict::kNotFinite;
+  }
+  if (std::abs(pose.orientation.norm() - 1.0) > kUnitTolerance) {
+    return Verdict::kNotRotation;
+  }
+  if (pose.residual_m > settings_.max_residual_m) {
+    return Verdict::kBadFit;
+  }
+  const bool same = pose.position_m == last_pose_.position_m &&
+                    pose.orientation.coeffs() == last_pose_.orientation.coeffs();
+  repeats_ = same ? std::min(repeats_ + 1, kFrozenFrames) : 0;
+  last_pose_ = pose;
+  return repeats_ + 1 >= kFrozenFrames ? Verdict::kFrozen : Verdict::kAccepted;
+}
+
+Verdict BodyTracker::note(Verdict verdict) {
+  ++counts_[static_cast<std::size_t>(verdict)];
+  in_last_frame_ = verdict == Verdict::kAccepted;
+  return verdict;
+}
+
+Verdict BodyTracker::miss(core::Utime /*utime*/) { return note(Verdict::kAbsent); }
+
+Verdict BodyTracker::update(core::Utime utime, const MeasuredPose& measured, bool others_place) {
+  const Verdict verdict = check(measured);
+  if (verdict != Verdict::kAccepted) {
+    return note(verdict);
+  }
+  MeasuredPose pose = measured;
+  pose.orientation.normalize();
+  if (believed_ && utime <= believed_->last) {
+    return note(Verdict::kAbsent);  // nothing can be learned from the past
+  }
+  if (believed_ && utime - believed_->last <= settings_.coast_us) {
+    Track expected = believed_->predicted(utime);
+    const Fit fit = fitOf(expected, pose);
+    if (fit.place && fit.angle) {
+      surprise_ = fit.surprise;
+      expected.take(utime, pose);
+      believed_ = expected;
+      candidate_.reset();
+      return note(Verdict::kAccepted);
+    }
+  }
+  return note(followCandidate(utime, pose, others_place));
+}
+
+Verdict BodyTracker::followCandidate(core::Utime utime, const MeasuredPose& pose,
+                                     bool others_place) {
+  // Two frames may be missing within a candidate.
+  if (!candidate_ || utime - candidate_->last > settings_.reacquire_us) {
+    return beginCandidate(utime, pose, others_place);
+  }
+  Track expected = candidate_->predicted(utime);
+  const Fit fit = fitOf(expected, pose);
+  if (!fit.place || !fit.angle) {
+    return beginCandidate(utime, pose, others_place);
+  }
+  expected.take(utime, pose);
+  candidate_ = expected;
+  const bool never = candidate_fault_ == Verdict::kFlip || candidate_fault_ == Verdict::kSwap;
+  const core::Utime needed =
+      candidate_fault_ == Verdict::kJump ? kBelieveJumpAfter : settings_.reacquire_us;
+  if (never || utime - candidate_->begin < needed || candidate_->measurements < kEnough) {
+    return candidate_fault_;
+  }
+  believed_ = candidate_;
+  candidate_.reset();
+  surprise_ = 0.0;
+  return Verdict::kAccepted;
+}
+
+Verdict BodyTracker::beginCandidate(core::Utime utime, const MeasuredPose& pose,
+                                    bool others_place) {
+  candidate_ = begin(utime, pose);
+  candidate_fault_ = Verdict::kAcquiring;
+  if (others_place) {
+    candidate_fault_ = Verdict::kSwap;
+  } else if (believed_ && utime - believed_->last <= kForget && !reachable(utime, pose)) {
+    const Track expected = believed_->predicted(utime);
+    const double angle_rad = angleBetween(believed_->attitude.orientation(), pose.orientation);
+    candidate_fault_ =
+        fitOf(expected, pose).place && angle_rad > kFlip_rad ? Verdict::kFlip : Verdict::kJump;
+  }
+  return candidate_fault_;
+}
+
+bool BodyTracker::reachable(core::Utime utime, const MeasuredPose& pose) const {
+  const double passed_s = core::toSeconds(utime - believed_->last);
+  const double distance_m = (pose.position_m - believed_->position.position()).norm();
+  const double angle_rad = angleBetween(believed_->attitude.orientation(), pose.orientation);
+  return distance_m <= settings_.max_speed_mps * passed_s + kPlaceMargin_m &&
+         angle_rad <= settings_.max_turn_rate_radps * passed_s + kAngleMargin_rad;
+}
+
+void BodyTracker::stateAt(core::Utime utime, core::VehicleState& state) const {
+  state.tracked = false;
+  state.predicted = false;
+  if (!believed_) {
+    return;
+  }
+  state.last_seen = believed_->last;
+  const core::Utime age = utime - believed_->last;
+  const bool fresh = age <= settings_.coast_us;
+  state.tracked = in_last_frame_ && fresh;
+  state.predicted = !in_last_frame_ && fresh;
+  const Track there =
+      believed_->predicted(believed_->last + std::clamp<core::Utime>(age, 0, settings_.coast_us));
+  state.position_world_m = there.position.position();
+  state.velocity_world_mps = there.position.velocity();
+  state.orientation = there.attitude.orientation();
+  state.angular_velocity_body_radps = there.attitude.angularVelocityBody();
+}
+
+std::optional<Eigen::Vector3d> BodyTracker::placeAt(core::Utime utime) const {
+  if (!believed_ || utime - believed_->last > kRememberPlace) {
+    return std::nullopt;
+  }
+  const double seconds =
+      core::toSeconds(std::clamp<core::Utime>(utime - believed_->last, 0, settings_.coast_us));
+  return believed_->position.position() + seconds * believed_->position.velocity();
+}
+
+bool BodyTracker::stuckSince(core::Utime utime) const {
+  return candidate_ && (candidate_fault_ == Verdict::kFlip || candidate_fault_ == Verdict::kSwap) &&
+         utime - candidate_->begin > core::kMicrosPerSecond &&
+         utime - candidate_->last <= settings_.reacquire_us;
+}
+
+}  // namespace roundabout::mocap_bridge

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace roundabout::mocap_bridge {
+
+/// Axis times angle to the rotation about it. rad.
+inline Eigen::Quaterniond fromRotationVector(const Eigen::Vector3d& vector_rad) {
+  const double angle = vector_rad.norm();
+  Eigen::Quaterniond rotation;
+  rotation.w() = std::cos(0.5 * angle);
+  rotation.vec() = angle > 1e-9 ? Eigen::Vector3d(vector_rad * (std::sin(0.5 * angle) / angle))
+                                : Eigen::Vector3d(0.5 * vector_rad);
+  return rotation;
+}
+
+/// The shorter way round. rad.
+inline Eigen::Vector3d toRotationVector(const Eigen::Quaterniond& rotation) {
+  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
+  const double sine = rotation.vec().norm();
+  const double scale = sine > 1e-9 ? 2.0 * std::atan2(sine, sign * rotation.w()) / sine : 2.0;
+  return sign * scale * rotation.vec();
+}
+
+}  // namespace roundabout::mocap_bridge

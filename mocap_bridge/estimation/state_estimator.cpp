@@ -1,0 +1,182 @@
+#include "mocap_bridge/estimation/state_estimator.h"
+
+#include <algorithm>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/core/error.h"
+
+namespace roundabout::mocap_bridge {
+
+namespace {
+
+// Vehicles' centres are never so close.
+constexpr double kSamePlace_m = 0.25;
+constexpr core::Utime kNewEpoch = core::kMicrosPerSecond / 2;
+// Acceleration that a vehicle may have had when it was found again.
+constexpr double kFoundAcceleration_mps2 = 10.0;
+// Pushed by hands and gusts, it may be faster than its own limit.
+constexpr double kSpeedMargin = 1.5;
+
+TrackerSettings settingsOf(const config::MocapFilter& filter, const config::Vehicle& vehicle) {
+  TrackerSettings settings;
+  settings.position = {filter.position_noise_m, filter.jerk_mps3};
+  settings.attitude = {filter.orientation_noise_rad, filter.angular_acceleration_radps2};
+  settings.max_speed_mps = kSpeedMargin * vehicle.top_speed_mps;
+  settings.max_acceleration_mps2 = kFoundAcceleration_mps2;
+  settings.max_turn_rate_radps = filter.max_turn_rate_radps;
+  settings.max_residual_m = filter.max_residual_m;
+  settings.coast_us = core::toUtime(filter.coast_s);
+  settings.reacquire_us = core::toUtime(filter.reacquire_s);
+  return settings;
+}
+
+Eigen::Quaterniond fromRollPitchYaw(const Eigen::Vector3d& angles_rad) {
+  return Eigen::AngleAxisd(angles_rad.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(angles_rad.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(angles_rad.x(), Eigen::Vector3d::UnitX());
+}
+
+std::string wantedName(const BodyPose& body) {
+  return body.name.empty() ? fmt::format("id {}", body.id) : body.name;
+}
+
+}  // namespace
+
+bool StateEstimator::Mapping::is(const BodyPose& pose) const {
+  return body.empty() ? pose.id == id : pose.name == body;
+}
+
+StateEstimator::StateEstimator(const config::Experiment& experiment, const std::string& usual_axes)
+    : axes_(experiment.mocap.axes == "auto" ? usual_axes : experiment.mocap.axes),
+      scale_(experiment.mocap.scale),
+      accept_recorded_(experiment.mocap.accept_recorded) {
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    Mapping mapping;
+    mapping.body = vehicle.name;
+    for (const config::MocapBody& body : experiment.mocap.bodies) {
+      if (body.vehicle != vehicle.name) {
+        continue;
+      }
+      if (!body.body.empty() || body.id >= 0) {
+        mapping.body = body.body;
+      }
+      mapping.id = body.id;
+      mapping.offset_m = body.offset_m;
+      mapping.rotation = fromRollPitchYaw(body.rotation_rad);
+    }
+    settings_.push_back(settingsOf(experiment.mocap.filter, vehicle));
+    const std::string wanted =
+        mapping.body.empty() ? fmt::format("id {}", mapping.id) : mapping.body;
+    vehicles_.push_back({vehicle.name, wanted, false, BodyTracker(settings_.back())});
+    mappings_.push_back(std::move(mapping));
+    states_.vehicles.emplace_back().name = vehicle.name;
+  }
+  places_.resize(vehicles_.size());
+}
+
+std::vector<std::string> StateEstimator::unmappedBodies(const SourceFrame& frame) const {
+  std::vector<std::string> names;
+  for (const BodyPose& body : frame.bodies) {
+    const bool mapped = std::any_of(mappings_.begin(), mappings_.end(),
+                                    [&](const Mapping& mapping) { return mapping.is(body); });
+    if (!mapped) {
+      names.push_back(wantedName(body));
+    }
+  }
+  return names;
+}
+
+const BodyPose* StateEstimator::find(Mapping& mapping, const SourceFrame& frame) const {
+  if (mapping.hint < frame.bodies.size() && mapping.is(frame.bodies[mapping.hint])) {
+    return &frame.bodies[mapping.hint];
+  }
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+    if (mapping.is(frame.bodies[i])) {
+      mapping.hint = i;
+      return &frame.bodies[i];
+    }
+  }
+  return nullptr;
+}
+
+MeasuredPose StateEstimator::measured(const Mapping& mapping, const BodyPose& body) const {
+  MeasuredPose pose;
+  const Eigen::Quaterniond orientation = axes_.toWorld(body.orientation);
+  pose.position_m = scale_ * axes_.toWorld(body.position_m) + orientation * mapping.offset_m;
+  pose.orientation = orientation * mapping.rotation;
+  pose.tracked = body.tracked;
+  pose.residual_m = body.residual_m;
+  return pose;
+}
+
+bool StateEstimator::isOthersPlace(std::size_t vehicle, const Eigen::Vector3d& position_m,
+                                   core::Utime utime) const {
+  const auto own = vehicles_[vehicle].tracker.placeAt(utime);
+  const double own_m = own ? (*own - position_m).norm() : kSamePlace_m;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    if (i == vehicle || !places_[i]) {
+      continue;
+    }
+    const double other_m = (*places_[i] - position_m).norm();
+    if (other_m < kSamePlace_m && other_m < own_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void StateEstimator::forget() {
+  ++counters_.epochs;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    vehicles_[i].tracker = BodyTracker(settings_[i]);
+  }
+}
+
+bool StateEstimator::update(const SourceFrame& frame) {
+  if (frame.recorded && !accept_recorded_) {
+    ++counters_.recorded;
+    return false;
+  }
+  const core::Utime utime = frame.exposure_utime;
+  if (utime <= states_.exposure_utime) {
+    if (states_.exposure_utime - utime < kNewEpoch) {
+      ++counters_.old;
+      return false;
+    }
+    forget();
+  }
+  ++counters_.frames;
+  states_.frame_number = frame.number;
+  states_.exposure_utime = utime;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    places_[i] = vehicles_[i].tracker.placeAt(utime);
+  }
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Vehicle& vehicle = vehicles_[i];
+    const BodyPose* body = find(mappings_[i], frame);
+    vehicle.streamed = body != nullptr;
+    if (body == nullptr) {
+      vehicle.last = vehicle.tracker.miss(utime);
+      continue;
+    }
+    const MeasuredPose pose = measured(mappings_[i], *body);
+    vehicle.last = vehicle.tracker.update(utime, pose, isOthersPlace(i, pose.position_m, utime));
+  }
+  fill(utime);
+  return true;
+}
+
+const core::StatesFrame& StateEstimator::statesAt(core::Utime utime) {
+  fill(std::max(utime, states_.exposure_utime));
+  return states_;
+}
+
+void StateEstimator::fill(core::Utime utime) {
+  states_.utime = utime;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    vehicles_[i].tracker.stateAt(utime, states_.vehicles[i]);
+  }
+}
+
+}  // namespace roundabout::mocap_bridge

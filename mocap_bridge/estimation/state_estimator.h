@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/experiment.h"
+#include "common/core/vehicle_state.h"
+#include "mocap_bridge/estimation/axes.h"
+#include "mocap_bridge/estimation/body_tracker.h"
+#include "mocap_bridge/sources/source_frame.h"
+
+namespace roundabout::mocap_bridge {
+
+/// Frames of a motion-capture system to the states of the experiment's vehicles: which body is
+/// which vehicle, axes, where on the body the vehicle sits, one BodyTracker each. Knows no clock
+/// but the frames' exposures and no sockets; the same frames give the same states.
+class StateEstimator {
+ public:
+  struct Vehicle {
+    std::string name;
+    std::string body;       ///< wanted, for people: "Hex_1" or "id 4"
+    bool streamed = false;  ///< the body was in the last frame
+    BodyTracker tracker;
+    Verdict last = Verdict::kAbsent;
+  };
+  struct Counters {
+    std::int64_t frames = 0;
+    std::int64_t recorded = 0;  ///< played back by the system, refused
+    std::int64_t old = 0;       ///< exposed before an earlier frame, refused
+    std::int64_t epochs = 0;    ///< times that everything was forgotten, since time went back
+  };
+
+  /// `usual_axes`: what mocap.axes "auto" means. Throws core::StartupError: axes that are none, or
+  /// bodies of vehicles that do not exist or have two.
+  StateEstimator(const config::Experiment& experiment, const std::string& usual_axes);
+
+  /// True if the frame was used; states() is then of its exposure.
+  bool update(const SourceFrame& frame);
+  const core::StatesFrame& states() const { return states_; }
+  /// The states at a later time, predicted.
+  const core::StatesFrame& statesAt(core::Utime utime);
+
+  const std::vector<Vehicle>& vehicles() const { return vehicles_; }
+  const Counters& counters() const { return counters_; }
+  /// Bodies of the last frame that are no vehicle.
+  std::vector<std::string> unmappedBodies(const SourceFrame& frame) const;
+
+ private:
+  struct Mapping {
+    std::string body;  // empty: by id
+    std::int64_t id = -1;
+    Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+    std::size_t hint = 0;  // where it stood in the last frame
+
+    bool is(const BodyPose& body) const;
+  };
+
+  const BodyPose* find(Mapping& mapping, const SourceFrame& frame) const;
+  MeasuredPose measured(const Mapping& mapping, const BodyPose& body) const;
+  bool isOthersPlace(std::size_t vehicle, const Eigen::Vector3d& position_m,
+                     core::Utime utime) const;
+  void forget();
+  void fill(core::Utime utime);
+
+  AxisMap axes_;
+  double scale_;
+  bool accept_recorded_;
+  std::vector<TrackerSettings> settings_;
+  std::vector<Mapping> mappings_;
+  std::vector<Vehicle> vehicles_;
+  std::vector<std::optional<Eigen::Vector3d>> places_;
+  core::StatesFrame states_;
+  Counters counters_;
+};
+
+}  // namespace roundabout::mocap_bridge

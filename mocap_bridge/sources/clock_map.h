@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "common/core/time.h"
+
+namespace roundabout::mocap_bridge {
+
+/// Maps another machine's clock to the local one, from pairs of readings that are late by a delay
+/// of unknown size. In every second the reading with the smallest delay counts; a line through
+/// those of the last 16 s gives offset and skew (at most 500 ppm). The map moves by at most 1 ms a
+/// second, so that intervals between mapped stamps stay those of the other clock; an offset that is
+/// wrong by more than 20 ms is corrected at once.
+class ClockMap {
+ public:
+  /// Readings of one moment: the other clock when it answered, the local one at the middle between
+  /// question and answer, and the time from question to answer.
+  void addEcho(double remote_s, core::Utime local_middle, double round_trip_s);
+  /// A stamp of the other clock and when it arrived. The map then contains the shortest delay.
+  void addArrival(double remote_s, core::Utime local_arrival);
+
+  bool ready() const { return samples_ >= kEnough; }
+  /// Precondition: ready().
+  core::Utime toLocal(double remote_s) const;
+  /// Relative rate of the clocks, local seconds for a second of the other, minus one.
+  double skew() const { return skew_; }
+  void reset() { *this = ClockMap(); }
+
+ private:
+  static constexpr int kEnough = 3;
+  static constexpr std::size_t kBuckets = 16;
+
+  struct Bucket {
+    double remote_s = 0.0;
+    double offset_s = 0.0;  // local minus remote, each since its origin
+    double badness_s = 0.0;
+    std::int64_t second = -1;
+  };
+
+  void add(double remote_s, core::Utime local, std::optional<double> badness_s);
+  void fit(double remote_s);
+
+  double origin_remote_s_ = 0.0;
+  core::Utime origin_local_ = 0;
+  std::array<Bucket, kBuckets> buckets_;
+  int samples_ = 0;
+  double anchor_remote_s_ = 0.0;
+  double anchor_offset_s_ = 0.0;
+  double skew_ = 0.0;
+};
+
+}  // namespace roundabout::mocap_bridge

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include "common/core/time.h"
+#include "mocap_bridge/sources/clock_map.h"
+
+namespace roundabout::mocap_bridge {
+
+/// When frames were exposed, on the local clock, from whatever a system says of its own time.
+class ExposureClock {
+ public:
+  /// Stamps of one frame on the system's clock, seconds; what it does not say is absent.
+  struct Stamps {
+    std::optional<double> exposure_s;
+    std::optional<double> sent_s;  ///< as late as possible before the packet left
+  };
+
+  /// `latency_s`: exposure to arrival at its shortest, for systems that do not say it.
+  explicit ExposureClock(double latency_s) : latency_(core::toUtime(latency_s)) {}
+
+  /// See ClockMap::addEcho; only where the system answers echoes on the clock of the stamps.
+  void addEcho(double remote_s, core::Utime local_middle, double round_trip_s) {
+    echo_.addEcho(remote_s, local_middle, round_trip_s);
+  }
+
+  /// Nothing if the stamps cannot be true: later than the arrival, or more than a second before it.
+  /// What was learned of the clock is then forgotten. Without any stamp: arrival minus latency.
+  std::optional<core::Utime> exposureOf(const Stamps& stamps, core::Utime received);
+
+  void reset() {
+    echo_.reset();
+    arrivals_.reset();
+  }
+
+ private:
+  core::Utime mapped(const Stamps& stamps, core::Utime received) const;
+
+  core::Utime latency_;
+  ClockMap echo_;
+  ClockMap arrivals_;
+};
+
+}  // namespace roundabout::mocap_bridge

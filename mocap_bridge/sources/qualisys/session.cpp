@@ -1,0 +1,186 @@
+#include "mocap_bridge/sources/qualisys/session.h"
+
+#include <algorithm>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace roundabout::mocap_bridge::qualisys {
+
+namespace {
+
+constexpr core::Utime kSilence = 2 * core::kMicrosPerSecond;
+constexpr core::Utime kGreetingLimit = 2 * core::kMicrosPerSecond;
+
+Endpoint serverOf(const config::Mocap& mocap) {
+  return {resolveAddress("mocap.server", mocap.server),
+          mocap.command_port == 0 ? kDefaultPort : static_cast<std::uint16_t>(mocap.command_port)};
+}
+
+}  // namespace
+
+QualisysSession::QualisysSession(const config::Mocap& mocap)
+    : server_(serverOf(mocap)), interpreter_(mocap) {}
+
+void QualisysSession::poll(core::Utime now, PacketSink& sink) {
+  began_ = began_ == 0 ? now : began_;
+  if (!stream_ && reconnect_.due(now)) {
+    stream_ = std::make_unique<TcpStream>(server_);
+    phase_ = Phase::kGreeting;
+    minor_ = kNewestMinor;
+    interpreter_.restart();
+  }
+  if (stream_ && stream_->state() == TcpStream::State::kOpen) {
+    receive(now, sink);
+    answer(interpreter_.takeHeard(), now);
+  }
+  if (interpreter_.broken()) {
+    close(text(server_) +
+          " does not speak QTM's real-time protocol here; trying again. Is the port "
+          "the little-endian one (22223)?");
+  } else if (stream_ && stream_->state() == TcpStream::State::kClosed) {
+    close(last_packet_ == 0 ? "" : "the connection to QTM was lost; connecting again");
+  } else if (stream_ && phase_ != Phase::kStreaming && now - reconnect_.last > kGreetingLimit) {
+    close("");
+  }
+  noteSilence(now);
+}
+
+void QualisysSession::close(const std::string& why) {
+  if (!why.empty()) {
+    notes_.once("lost", why);
+  }
+  stream_.reset();
+  interpreter_.restart();
+}
+
+void QualisysSession::receive(core::Utime now, PacketSink& sink) {
+  for (Bytes bytes = stream_->receive(); !bytes.empty(); bytes = stream_->receive()) {
+    const mocap_bridge::Packet packet{arrivalTime(now), server_.port, 0, bytes};
+    if (tap_) {
+      tap_(packet);
+    }
+    interpreter_.onPacket(packet, sink);
+    last_packet_ = now;
+    notes_.over("no_server");
+    if (interpreter_.broken()) {
+      return;
+    }
+  }
+}
+
+void QualisysSession::command(const std::string& text) {
+  if (stream_) {
+    stream_->send(writeText(PacketType::kCommand, text));
+  }
+}
+
+void QualisysSession::askForNames() { command("GetParameters 6D"); }
+
+void QualisysSession::stream() {
+  command(residuals_ ? "StreamFrames AllFrames 6DRes" : "StreamFrames AllFrames 6D");
+}
+
+void QualisysSession::onText(const std::string& text) {
+  if (phase_ == Phase::kGreeting) {
+    phase_ = Phase::kVersion;
+    command(fmt::format("Version 1.{}", minor_));
+  } else if (phase_ == Phase::kVersion && text.starts_with("Version set to")) {
+    phase_ = Phase::kStreaming;
+    version_ = fmt::format("1.{}", minor_);
+    notes_.say(
+        fmt::format("connected to QTM at {}, protocol {}", mocap_bridge::text(server_), version_));
+    notes_.over("lost");
+    askForNames();
+    stream();
+  }
+}
+
+void QualisysSession::onError(const std::string& error) {
+  if (phase_ == Phase::kVersion) {
+    if (--minor_ < kOldestMinor) {
+      close(fmt::format("QTM accepts no version from 1.{} to 1.{}: {}", kOldestMinor, kNewestMinor,
+                        error));
+    } else {
+      command(fmt::format("Version 1.{}", minor_));
+    }
+  } else if (residuals_) {
+    residuals_ = false;
+    stream();
+  } else {
+    notes_.once("error", "QTM refuses to stream 6D bodies: " + error);
+  }
+}
+
+void QualisysSession::answer(const QualisysInterpreter::Heard& heard, core::Utime now) {
+  for (const std::string& text : heard.texts) {
+    onText(text);
+  }
+  for (const std::string& error : heard.errors) {
+    onError(error);
+  }
+  for (const Event event : heard.events) {
+    if (event == Event::kCameraSettingsChanged) {
+      interpreter_.forgetNames();
+    } else if (event == Event::kCaptureStarted || event == Event::kRtFromFileStarted) {
+      stream();
+    }
+  }
+  if (heard.data) {
+    last_data_ = now;
+    notes_.over("no_data", "frames arrive again");
+    notes_.over("error");
+  }
+  if (phase_ != Phase::kStreaming) {
+    return;
+  }
+  if (!interpreter_.namesKnown() && names_.due(now)) {
+    askForNames();
+  }
+  if (!interpreter_.namesFit()) {
+    notes_.once("names",
+                "QTM streams another number of bodies than its settings name: names are not "
+                "used until they agree (mocap.bodies can name bodies by id, from 0)");
+    if (names_.due(now)) {
+      askForNames();
+    }
+  } else {
+    notes_.over("names");
+  }
+  if (now - std::max(last_data_, reconnect_.last) >= kSilence && restream_.due(now)) {
+    stream();
+  }
+}
+
+void QualisysSession::noteSilence(core::Utime now) {
+  if (now - std::max(began_, last_packet_) >= kSilence && phase_ != Phase::kStreaming) {
+    notes_.once(
+        "no_server",
+        fmt::format("no answer from QTM at {} for 2 s; still trying. Is QTM running, with its "
+                    "real-time server on TCP port {} and that open in its firewall? "
+                    "(mocap.server; this machine has {})",
+                    text(server_), server_.port, interfaceList()));
+  } else if (phase_ == Phase::kStreaming &&
+             now - std::max(last_data_, reconnect_.last) >= kSilence) {
+    notes_.once("no_data",
+                "QTM answers, but sends no frame: is a measurement or preview running, and "
+                "are 6D bodies defined?");
+  }
+}
+
+void QualisysSession::addDescriptors(std::vector<pollfd>& descriptors) const {
+  if (stream_ && stream_->descriptor() >= 0) {
+    const short events = stream_->connecting() ? POLLOUT : POLLIN;
+    descriptors.push_back({stream_->descriptor(), events, 0});
+  }
+}
+
+SourceStatus QualisysSession::status() const {
+  SourceStatus status;
+  status.connected = phase_ == Phase::kStreaming;
+  status.server = fmt::format("QTM, protocol {}, at {}", version_, text(server_));
+  status.bodies = interpreter_.bodies();
+  status.counters = interpreter_.counters();
+  return status;
+}
+
+}  // namespace roundabout::mocap_bridge::qualisys

@@ -1,0 +1,100 @@
+#include "mocap_bridge/sources/vicon_udp/interpreter.h"
+
+namespace roundabout::mocap_bridge::vicon {
+
+namespace {
+
+constexpr double kMetres = 0.001;
+// Names come off the wire: nobody can make us remember more.
+constexpr std::size_t kMostNames = 1024;
+
+}  // namespace
+
+RotationOrder rotationOrder(const std::string& name) {
+  return name == "zyx"      ? RotationOrder::kZyx
+         : name == "vector" ? RotationOrder::kVector
+                            : RotationOrder::kXyz;
+}
+
+Eigen::Quaterniond toQuaternion(const std::array<double, 3>& rotation_rad, RotationOrder order) {
+  const Eigen::Vector3d angles(rotation_rad.data());
+  const Eigen::AngleAxisd x(angles.x(), Eigen::Vector3d::UnitX());
+  const Eigen::AngleAxisd y(angles.y(), Eigen::Vector3d::UnitY());
+  const Eigen::AngleAxisd z(angles.z(), Eigen::Vector3d::UnitZ());
+  switch (order) {
+    case RotationOrder::kXyz:
+      return x * y * z;
+    case RotationOrder::kZyx:
+      return z * y * x;
+    case RotationOrder::kVector:
+      break;
+  }
+  const double angle = angles.norm();
+  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, angles / angle))
+                     : Eigen::Quaterniond::Identity();
+}
+
+ViconInterpreter::ViconInterpreter(const config::Mocap& mocap)
+    : order_(rotationOrder(mocap.rotation)), rate_hz_(mocap.rate_hz), clock_(mocap.latency_s) {}
+
+void ViconInterpreter::onPacket(const Packet& packet, PacketSink& sink) {
+  ++counters_.packets;
+  if (const char* reason = parseBlock(packet.payload, block_)) {
+    ++counters_.malformed;
+    sink.onPacket({"block", reason, {}});
+    return;
+  }
+  if (auto unsent = assembler_.begin(block_.frame)) {
+    emit(*unsent, sink);
+  }
+  SourceFrame& frame = assembler_.frame();
+  if (frame.bodies.empty()) {
+    frame.number = block_.frame;
+    frame.received_utime = packet.received;
+  }
+  addBodies();
+  if (showsEverything()) {
+    sink.onFrame(frame);
+  } else if (assembler_.complete()) {
+    emit(frame, sink);
+  }
+}
+
+void ViconInterpreter::addBodies() {
+  for (Object& object : block_.objects) {
+    BodyPose& body = assembler_.frame().bodies.emplace_back();
+    const Eigen::Vector3d translation_mm(object.translation_mm.data());
+    body.position_m = kMetres * translation_mm;
+    body.orientation = toQuaternion(object.rotation_rad, order_);
+    body.tracked =
+        !(translation_mm.isZero(0.0) && Eigen::Vector3d(object.rotation_rad.data()).isZero(0.0));
+    body.name = std::move(object.name);
+    if (names_.size() < kMostNames) {
+      names_.insert(body.name);
+    }
+  }
+}
+
+void ViconInterpreter::emit(const SourceFrame& frame, PacketSink& sink) {
+  bool restarted = false;
+  if (showsEverything() || !admits(frame.number, restarted)) {
+    return;
+  }
+  if (restarted) {
+    clock_.reset();
+  }
+  ExposureClock::Stamps stamps;
+  if (rate_hz_ > 0.0) {
+    stamps.sent_s = static_cast<double>(frame.number) / rate_hz_;
+  }
+  const auto exposure = clock_.exposureOf(stamps, frame.received_utime);
+  if (!admits(exposure)) {
+    return;
+  }
+  ++counters_.frames;
+  SourceFrame out = frame;
+  out.exposure_utime = *exposure;
+  sink.onFrame(out);
+}
+
+}  // namespace roundabout::mocap_bridge::vicon

@@ -1,0 +1,178 @@
+#include "mocap_bridge/sources/vrpn/interpreter.h"
+
+#include <algorithm>
+
+namespace roundabout::mocap_bridge::vrpn {
+
+namespace {
+
+// Ids come off the wire: nobody can make us remember more.
+constexpr std::size_t kMostNames = 4096;
+
+double secondsOf(std::int64_t stamp_us) { return core::toSeconds(stamp_us); }
+
+}  // namespace
+
+VrpnInterpreter::VrpnInterpreter(const config::Mocap& mocap) : clock_(mocap.latency_s) {}
+
+std::vector<std::string> VrpnInterpreter::bodies() const {
+  std::vector<std::string> names;
+  for (const auto& [id, name] : senders_) {
+    if (name != "VRPN Control") {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
+void VrpnInterpreter::restart() {
+  buffer_.clear();
+  greeted_ = false;
+  broken_ = false;
+  senders_.clear();
+  types_.clear();
+  clock_.reset();
+  assembler_ = FrameAssembler();
+}
+
+void VrpnInterpreter::fail(const char* kind, const char* reason, PacketSink& sink) {
+  ++counters_.malformed;
+  sink.onPacket({kind, reason, {}});
+}
+
+void VrpnInterpreter::onPacket(const Packet& packet, PacketSink& sink) {
+  if (broken_) {
+    return;
+  }
+  buffer_.add(packet.payload);
+  Bytes stream = buffer_.bytes();
+  if (!greeted_ && !readCookie(stream, sink)) {
+    return;
+  }
+  while (const auto message = takeMessage(stream, broken_)) {
+    ++counters_.packets;
+    onMessage(*message, packet.received, sink);
+  }
+  if (broken_) {
+    fail("message", "its length cannot be true", sink);
+    buffer_.clear();
+    return;
+  }
+  buffer_.keep(stream.size());
+}
+
+bool VrpnInterpreter::readCookie(Bytes& stream, PacketSink& sink) {
+  if (stream.size() < kCookieBytes) {
+    return false;
+  }
+  const Bytes cookie = stream.first(kCookieBytes);
+  if (!goodCookie(cookie)) {
+    broken_ = true;
+    buffer_.clear();
+    fail("cookie", "not of VRPN 7", sink);
+    return false;
+  }
+  greeted_ = true;
+  greeting_ = std::string(BigEndianCursor(cookie).readText(kCookieBytes));
+  stream = stream.subspan(kCookieBytes);
+  sink.onPacket({"cookie", nullptr, {{"text", greeting_}}});
+  return true;
+}
+
+void VrpnInterpreter::onMessage(const Message& message, core::Utime received, PacketSink& sink) {
+  if (message.type == kSenderDescription || message.type == kTypeDescription) {
+    const bool sender = message.type == kSenderDescription;
+    const char* kind = sender ? "sender" : "type";
+    auto& names = sender ? senders_ : types_;
+    const auto name = parseDescription(message.payload);
+    if (!name) {
+      fail(kind, "a description without a name", sink);
+    } else if (names.size() < kMostNames || names.contains(message.sender)) {
+      names[message.sender] = *name;
+      sink.onPacket({kind, nullptr, {{"id", std::to_string(message.sender)}, {"name", *name}}});
+    }
+    return;
+  }
+  const auto type = types_.find(message.type);
+  if (message.type >= 0 && type != types_.end() && type->second == kPoseType) {
+    onPose(message, received, sink);
+  } else {
+    sink.onPacket(
+        {"message",
+         nullptr,
+         {{"type_name", type == types_.end() ? std::to_string(message.type) : type->second}}});
+  }
+}
+
+std::string VrpnInterpreter::bodyName(const Message& message) const {
+  const auto sender = senders_.find(message.sender);
+  return sender == senders_.end() ? "sender " + std::to_string(message.sender) : sender->second;
+}
+
+void VrpnInterpreter::onPose(const Message& message, core::Utime received, PacketSink& sink) {
+  Pose pose;
+  if (const char* reason = parsePose(message.payload, pose)) {
+    fail("pose", reason, sink);
+    return;
+  }
+  const std::int64_t stamp_us =
+      std::int64_t{message.seconds} * core::kMicrosPerSecond + message.microseconds;
+  const auto unsent = assembler_.begin(stamp_us);
+  if (unsent && !showsEverything()) {
+    emit(*unsent, sink);
+  }
+  SourceFrame& frame = assembler_.frame();
+  if (frame.bodies.empty()) {
+    frame.number = ++number_;
+    frame.received_utime = received;
+    frame.stamps = {{"stamp_s", secondsOf(stamp_us)}};
+  }
+  BodyPose body;
+  body.name = bodyName(message);
+  body.position_m = Eigen::Vector3d(pose.position_m.data());
+  body.orientation = Eigen::Quaterniond(pose.orientation_xyzw.data());
+  body.tracked = true;
+  if (ids_.size() < kMostNames) {
+    body.id = ids_.try_emplace(body.name, static_cast<std::int64_t>(ids_.size())).first->second;
+  }
+  if (showsEverything()) {
+    SourceFrame single = frame;
+    single.bodies = {body};
+    sink.onFrame(single);
+    return;
+  }
+  // A frame of one stamp with a body twice is two frames.
+  const bool twice = std::any_of(frame.bodies.begin(), frame.bodies.end(),
+                                 [&](const BodyPose& other) { return other.name == body.name; });
+  if (twice || frame.bodies.size() >= kMostNames) {
+    ++counters_.old_frames;
+    return;
+  }
+  frame.bodies.push_back(std::move(body));
+  if (assembler_.complete()) {
+    emit(frame, sink);
+  }
+}
+
+void VrpnInterpreter::emit(const SourceFrame& frame, PacketSink& sink) {
+  const double stamp_s = frame.stamps.front().seconds;
+  bool restarted = false;
+  if (!admits(core::toUtime(stamp_s), restarted, false)) {
+    return;
+  }
+  if (restarted) {
+    clock_.reset();
+  }
+  ExposureClock::Stamps stamps;
+  stamps.sent_s = stamp_s;
+  const auto exposure = clock_.exposureOf(stamps, frame.received_utime);
+  if (!admits(exposure)) {
+    return;
+  }
+  ++counters_.frames;
+  SourceFrame out = frame;
+  out.exposure_utime = *exposure;
+  sink.onFrame(out);
+}
+
+}  // namespace roundabout::mocap_bridge::vrpn

@@ -1,0 +1,104 @@
+#include "mocap_bridge/sources/clock_map.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/core/random.h"
+#include "mocap_bridge/sources/exposure_clock.h"
+#include "mocap_bridge/sources/frame_sequence.h"
+
+namespace roundabout::mocap_bridge {
+namespace {
+
+constexpr core::Utime kEpoch = 1'700'000'000'000'000;
+
+// A clock that shows 5000 s at the local epoch and runs 40 ppm fast.
+double remoteAt(core::Utime local) { return 5000.0 + core::toSeconds(local - kEpoch) * 1.00004; }
+
+TEST(ClockMap, EchoesGiveTheOtherClockWithinATenthOfAMillisecond) {
+  ClockMap map;
+  core::RandomStream random(1, "echo");
+  double worst_s = 0.0;
+  for (int i = 0; i < 400; ++i) {  // 100 s
+    const core::Utime sent = kEpoch + i * 250'000;
+    const double there_s = 0.0002 + std::abs(random.normal(0.0005));
+    const double back_s = 0.0002 + std::abs(random.normal(0.0005));
+    const core::Utime answered = sent + core::toUtime(there_s);
+    map.addEcho(remoteAt(answered), sent + core::toUtime((there_s + back_s) / 2), there_s + back_s);
+    if (i > 40) {
+      worst_s = std::max(worst_s, std::abs(core::toSeconds(map.toLocal(remoteAt(sent)) - sent)));
+    }
+  }
+  EXPECT_LT(worst_s, 0.0002);
+  EXPECT_NEAR(map.skew(), -40e-6, 20e-6);
+}
+
+TEST(ClockMap, ArrivalsGiveTheShortestDelayAndItsJitterDoesNotShow) {
+  ClockMap map;
+  core::RandomStream random(1, "arrival");
+  core::Utime last = 0;
+  for (int i = 0; i < 6000; ++i) {  // 30 s at 200 Hz
+    const core::Utime sent = kEpoch + i * 5'000;
+    map.addArrival(remoteAt(sent), sent + 300 + core::toUtime(std::abs(random.normal(0.001))));
+    if (i > 1000) {
+      const core::Utime mapped = map.toLocal(remoteAt(sent));
+      EXPECT_NEAR(static_cast<double>(mapped - sent), 300.0, 150.0);
+      EXPECT_NEAR(static_cast<double>(mapped - last), 5000.0, 20.0);
+      last = mapped;
+    } else if (i == 1000) {
+      last = map.toLocal(remoteAt(sent));
+    }
+  }
+}
+
+TEST(ClockMap, AClockThatWasSetIsFollowed) {
+  ClockMap map;
+  for (int i = 0; i < 20; ++i) {
+    map.addEcho(100.0 + i, kEpoch + i * core::kMicrosPerSecond, 0.001);
+  }
+  for (int i = 20; i < 25; ++i) {
+    map.addEcho(7.0 + i, kEpoch + i * core::kMicrosPerSecond, 0.001);
+  }
+  EXPECT_EQ(map.toLocal(32.0), kEpoch + 25 * core::kMicrosPerSecond);
+}
+
+TEST(ExposureClock, RefusesExposuresInTheFuture) {
+  ExposureClock clock(0.005);
+  for (int i = 0; i < 10; ++i) {
+    const double sent_s = 10.0 + 0.005 * i;
+    EXPECT_TRUE(clock.exposureOf({sent_s - 0.004, sent_s}, kEpoch + i * 5000));
+  }
+  EXPECT_FALSE(clock.exposureOf({10.2, 10.05}, kEpoch + 50'000)) << "exposed after it was sent";
+  EXPECT_FALSE(clock.exposureOf({2.0, 10.055}, kEpoch + 55'000)) << "eight seconds ago";
+}
+
+TEST(ExposureClock, WithoutStampsTheLatencyIsWhatTheFileSays) {
+  ExposureClock clock(0.007);
+  EXPECT_EQ(clock.exposureOf({}, kEpoch), kEpoch - 7000);
+}
+
+TEST(FrameSequence, CountsWhatIsMissingAndRefusesWhatIsOld) {
+  FrameSequence sequence;
+  using Verdict = FrameSequence::Verdict;
+  EXPECT_EQ(sequence.judge(10), Verdict::kNext);
+  EXPECT_EQ(sequence.judge(11), Verdict::kNext);
+  EXPECT_EQ(sequence.judge(11), Verdict::kOld);
+  EXPECT_EQ(sequence.judge(14), Verdict::kNext);
+  EXPECT_EQ(sequence.lost(), 2);
+  EXPECT_EQ(sequence.judge(13), Verdict::kOld);
+  EXPECT_EQ(sequence.judge(15), Verdict::kNext);
+}
+
+TEST(FrameSequence, NumbersThatBeginAnewAreFollowedAfterThree) {
+  FrameSequence sequence;
+  using Verdict = FrameSequence::Verdict;
+  sequence.judge(1000);
+  EXPECT_EQ(sequence.judge(1), Verdict::kOld);
+  EXPECT_EQ(sequence.judge(2), Verdict::kOld);
+  EXPECT_EQ(sequence.judge(3), Verdict::kRestart);
+  EXPECT_EQ(sequence.judge(4), Verdict::kNext);
+}
+
+}  // namespace
+}  // namespace roundabout::mocap_bridge

@@ -1,0 +1,179 @@
+// Captured and synthetic packets of the other protocols, against what their notes say is in them.
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mocap_bridge/sources/qualisys/interpreter.h"
+#include "mocap_bridge/sources/vicon_udp/interpreter.h"
+#include "mocap_bridge/sources/vrpn/interpreter.h"
+#include "tests/support/mocap_fixtures.h"
+
+namespace roundabout::mocap_bridge {
+namespace {
+
+using test::FileBytes;
+using test::mocapFixture;
+
+#define SKIP_WITHOUT(bytes)                                            \
+  if ((bytes).empty()) {                                               \
+    GTEST_SKIP() << "the captured packets are not beside the project"; \
+  }
+
+constexpr core::Utime kNow = 1'700'000'000'000'000;
+
+TEST(QualisysFixtures, EveryDataPacketDecodesToTheLastByte) {
+  for (const char* name :
+       {"data_6d", "data_6deuler", "data_6dres", "data_6deulerres", "data_6d_and_6deulerres"}) {
+    const FileBytes file = mocapFixture(std::string("qualisys_synthetic/") + name + ".bin");
+    SKIP_WITHOUT(file);
+    Bytes stream(file);
+    bool broken = false;
+    const auto packet = qualisys::takePacket(stream, broken);
+    ASSERT_TRUE(packet) << name;
+    EXPECT_TRUE(stream.empty());
+    qualisys::Data data;
+    ASSERT_STREQ(qualisys::parseData(packet->payload, data), nullptr) << name;
+    ASSERT_EQ(data.bodies.size(), 2U);
+    const qualisys::Body& body = data.bodies[0];
+    EXPECT_TRUE(body.tracked);
+    EXPECT_FLOAT_EQ(static_cast<float>(body.position_mm[0]), 1000.5F);
+    EXPECT_FLOAT_EQ(static_cast<float>(body.position_mm[1]), -250.25F);
+    // A yaw of 30 degrees, column by column.
+    EXPECT_NEAR(body.rotation[0], std::cos(std::numbers::pi / 6), 1e-6);
+    EXPECT_NEAR(body.rotation[1], std::sin(std::numbers::pi / 6), 1e-6);
+    EXPECT_NEAR(body.rotation[3], -std::sin(std::numbers::pi / 6), 1e-6);
+    EXPECT_FALSE(data.bodies[1].tracked);
+    const bool residual =
+        std::string(name) == "data_6dres" || std::string(name) == "data_6deulerres";
+    EXPECT_EQ(!std::isnan(body.residual_mm), residual) << name;
+    for (std::size_t size = 0; size < packet->payload.size(); ++size) {
+      EXPECT_STRNE(qualisys::parseData(packet->payload.first(size), data), nullptr) << size;
+    }
+  }
+}
+
+TEST(QualisysFixtures, NamesStandInTheOrderOfTheSettings) {
+  const FileBytes xml = mocapFixture("qualisys_xml/6d_Get6DSettingsTest.xml");
+  SKIP_WITHOUT(xml);
+  EXPECT_THAT(qualisys::parseBodyNames(xml),
+              testing::Optional(
+                  testing::ElementsAre("refined", "Table", "Screen2", "Cup", "Phone", "Screen1")));
+  for (const char* other :
+       {"General_GetGeneralSettingsTest.xml", "Skeleton_SkeletonSettingsGet.xml"}) {
+    EXPECT_FALSE(qualisys::parseBodyNames(mocapFixture(std::string("qualisys_xml/") + other)));
+  }
+}
+
+TEST(QualisysFixtures, AWholeSessionAndNamesThatDoNotFitAreNotUsed) {
+  const FileBytes session = mocapFixture("qualisys_synthetic/session_server_to_client.bin");
+  SKIP_WITHOUT(session);
+  qualisys::QualisysInterpreter interpreter({});
+  test::Collected heard;
+  // In pieces, as TCP delivers.
+  for (std::size_t at = 0; at < session.size(); at += 100) {
+    interpreter.onPacket(
+        {kNow + static_cast<core::Utime>(at) * 50, 0, 0,
+         Bytes(session).subspan(at, std::min<std::size_t>(100, session.size() - at))},
+        heard);
+  }
+  EXPECT_EQ(interpreter.counters().malformed, 0);
+  EXPECT_EQ(interpreter.bodies().size(), 6U);
+  ASSERT_EQ(heard.frames.size(), 5U);
+  EXPECT_EQ(heard.frames[0].bodies.size(), 2U);
+  EXPECT_EQ(heard.frames[0].bodies[0].name, "") << "six names for two bodies";
+  EXPECT_FALSE(interpreter.namesFit());
+  EXPECT_NEAR(heard.frames[0].bodies[0].position_m.x(), 1.0005, 1e-6);
+  EXPECT_TRUE(interpreter.takeHeard().no_more_data);
+}
+
+TEST(VrpnFixtures, TheReferenceServersWholeStream) {
+  const FileBytes stream = mocapFixture("vrpn_reference_server/tcp_server_to_client.bin");
+  SKIP_WITHOUT(stream);
+  vrpn::VrpnInterpreter interpreter({});
+  interpreter.showEverything();
+  test::Collected heard;
+  for (std::size_t at = 0; at < stream.size(); at += 1000) {
+    interpreter.onPacket(
+        {kNow, 0, 0, Bytes(stream).subspan(at, std::min<std::size_t>(1000, stream.size() - at))},
+        heard);
+  }
+  EXPECT_FALSE(interpreter.broken());
+  EXPECT_EQ(interpreter.counters().malformed, 0);
+  EXPECT_THAT(interpreter.bodies(), testing::UnorderedElementsAre("veh1", "veh2"));
+  ASSERT_EQ(heard.frames.size(), 762U);
+  int velocities = 0;
+  for (const auto& packet : heard.packets) {
+    velocities += packet.kind == "message" ? 1 : 0;
+  }
+  EXPECT_EQ(velocities, 381);
+  std::map<std::string, std::vector<BodyPose>> poses;
+  for (const SourceFrame& frame : heard.frames) {
+    poses[frame.bodies.at(0).name].push_back(frame.bodies[0]);
+  }
+  const BodyPose& first = poses["veh1"].front();
+  EXPECT_NEAR(first.position_m.x(), 3.80, 1e-9);
+  EXPECT_NEAR(first.position_m.y(), -2.25, 1e-9);
+  EXPECT_NEAR(first.orientation.z(), 0.1147467, 1e-7);
+  EXPECT_NEAR(first.orientation.w(), 0.9933948, 1e-7);
+  for (std::size_t i = 1; i < poses["veh1"].size(); ++i) {
+    EXPECT_NEAR(poses["veh1"][i].position_m.x() - poses["veh1"][i - 1].position_m.x(), 0.01, 1e-9);
+    EXPECT_NEAR(poses["veh1"][i].orientation.angularDistance(poses["veh1"][i - 1].orientation),
+                0.001, 1e-7);
+  }
+}
+
+TEST(VrpnFixtures, BothPosesOfAMomentAreOneFrame) {
+  const FileBytes stream = mocapFixture("vrpn_reference_server/tcp_server_to_client.bin");
+  SKIP_WITHOUT(stream);
+  vrpn::VrpnInterpreter interpreter({});
+  test::Collected heard;
+  interpreter.onPacket({kNow, 0, 0, stream}, heard);
+  int whole = 0;
+  for (const SourceFrame& frame : heard.frames) {
+    whole += frame.bodies.size() == 2 ? 1 : 0;
+  }
+  // All arrived at once here, so only the first frames have plausible exposures.
+  EXPECT_GT(heard.frames.size(), 0U);
+  EXPECT_GE(whole + 1, static_cast<int>(heard.frames.size()) / 2);
+}
+
+TEST(ViconFixtures, ThreeObjects) {
+  const FileBytes datagram = mocapFixture("vicon_udp_session-recorder/packet_3objects.bin");
+  SKIP_WITHOUT(datagram);
+  vicon::Block block;
+  ASSERT_STREQ(vicon::parseBlock(datagram, block), nullptr);
+  EXPECT_EQ(block.frame, 46902U);
+  ASSERT_EQ(block.objects.size(), 3U);
+  EXPECT_EQ(block.objects[0].name, "iwhub");
+  EXPECT_NEAR(block.objects[0].translation_mm[0], -0.410869, 1e-6);
+  EXPECT_NEAR(block.objects[0].rotation_rad[1], 3.012617, 1e-6);
+  EXPECT_EQ(block.objects[2].name, "dolly");
+  for (std::size_t size = 0; size < datagram.size(); ++size) {
+    EXPECT_STRNE(vicon::parseBlock(Bytes(datagram).first(size), block), nullptr) << size;
+  }
+  FileBytes padded = datagram;
+  padded.resize(1024);
+  EXPECT_STREQ(vicon::parseBlock(padded, block), nullptr);
+  padded.back() = std::byte{1};
+  EXPECT_STRNE(vicon::parseBlock(padded, block), nullptr);
+}
+
+TEST(ViconRotation, OrdersDifferAndAngleZeroIsNone) {
+  using vicon::RotationOrder;
+  const std::array<double, 3> angles{0.3, 0.5, -0.2};
+  const Eigen::Quaterniond xyz = vicon::toQuaternion(angles, RotationOrder::kXyz);
+  EXPECT_GT(xyz.angularDistance(vicon::toQuaternion(angles, RotationOrder::kZyx)), 0.05);
+  EXPECT_GT(xyz.angularDistance(vicon::toQuaternion(angles, RotationOrder::kVector)), 0.01);
+  EXPECT_TRUE(vicon::toQuaternion({0, 0, 0}, RotationOrder::kVector)
+                  .isApprox(Eigen::Quaterniond::Identity()));
+  const Eigen::Vector3d turned = xyz * Eigen::Vector3d::UnitZ();
+  // Rx Ry Rz leaves z to Rx Ry: sin b, -sin a cos b, cos a cos b.
+  EXPECT_NEAR(turned.x(), std::sin(0.5), 1e-12);
+  EXPECT_NEAR(turned.y(), -std::sin(0.3) * std::cos(0.5), 1e-12);
+}
+
+}  // namespace
+}  // namespace roundabout::mocap_bridge
