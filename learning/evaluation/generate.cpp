@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
@@ -11,7 +12,6 @@
 #include "common/config/words.h"
 #include "common/core/error.h"
 #include "common/core/polygon.h"
-#include "common/core/random.h"
 
 namespace roundabout::learning {
 
@@ -81,7 +81,10 @@ class Generator {
       kind = draw < 0.15 ? "swap" : draw < 0.3 ? "circle" : "random";
     }
     if (kind == "random") {
-      return randomCase();
+      std::optional<TestCase> result;
+      while (!(result = randomCase())) {
+      }
+      return *result;
     }
     TestCase result;
     const double radius_m = 0.5 * settings_.agents + random_.uniform(0.0, 2.0);
@@ -108,7 +111,8 @@ class Generator {
     return spec;
   }
 
-  TestCase randomCase() {
+  /// Nothing if the places would spread too far.
+  std::optional<TestCase> randomCase() {
     TestCase result;
     double half_side_m = settings_.half_side_m;
     const auto place = [&] {
@@ -122,6 +126,9 @@ class Generator {
         spec.goal_m = place();
         // Who has to meet others has to look for a place in any case.
         half_side_m *= settings_.force_interaction || tries_ > kPatience ? kGrowth : 1.0;
+        if (half_side_m > settings_.max_growth * settings_.half_side_m) {
+          return std::nullopt;
+        }
         countTry();
       } while (!acceptable(spec, result.agents, half_side_m));
       result.agents.push_back(spec);
@@ -195,18 +202,24 @@ class Generator {
 
 std::span<const std::string_view> generatorKinds() { return kKinds; }
 
-std::vector<TestCase> generateCases(const std::string& kind, const GeneratorSettings& settings,
-                                    int count, std::uint64_t seed) {
+TestCase generateCase(const std::string& kind, const GeneratorSettings& settings,
+                      core::RandomStream& random) {
   if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
     throw core::StartupError("--generate", "kind",
                              fmt::format("one of {}", fmt::join(kKinds, ", ")),
                              config::quoted(kind));
   }
+  TestCase result = Generator(settings, random).make(kind);
+  result.obstacles = settings.obstacles;
+  return result;
+}
+
+std::vector<TestCase> generateCases(const std::string& kind, const GeneratorSettings& settings,
+                                    int count, std::uint64_t seed) {
   std::vector<TestCase> cases;
   for (int k = 0; k < count; ++k) {
     core::RandomStream random(seed, fmt::format("cases/{}/{}/{}", kind, settings.agents, k));
-    cases.push_back(Generator(settings, random).make(kind));
-    cases.back().obstacles = settings.obstacles;
+    cases.push_back(generateCase(kind, settings, random));
   }
   return cases;
 }

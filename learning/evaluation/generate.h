@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/core/random.h"
 #include "learning/evaluation/test_case.h"
 
 namespace roundabout::learning {
@@ -22,6 +24,9 @@ struct GeneratorSettings {
   double min_gap_m = 0.2;  ///< between edges at the start, and at the goals
   bool force_interaction = true;
   std::vector<core::Polygon> obstacles;  ///< edges keep the gap from them too
+  /// Places may spread by this factor while room is sought; a case that needs more is drawn anew.
+  /// The published generator knows no such bound.
+  double max_growth = std::numeric_limits<double>::infinity();
 };
 
 /// Kinds of generated cases: "random", "circle", "swap", and "mixed" (70, 15 and 15 %).
@@ -31,6 +36,10 @@ std::span<const std::string_view> generatorKinds();
 /// an unknown kind or settings without a solution.
 std::vector<TestCase> generateCases(const std::string& kind, const GeneratorSettings& settings,
                                     int count, std::uint64_t seed);
+
+/// One case, drawn from a stream. Throws as generateCases().
+TestCase generateCase(const std::string& kind, const GeneratorSettings& settings,
+                      core::RandomStream& random);
 
 /// Agents of radius 0.5 m and 1 m/s on a circle, each bound for the opposite side.
 TestCase circleCase(int agents, double radius_m);

@@ -16,9 +16,11 @@ struct AgentSpec {
   Eigen::Vector2d goal_m{0.0, 0.0};
   double radius_m = 0.5;
   double preferred_speed_mps = 1.0;
+  /// At first; nothing: toward the goal. The lab's vehicles have no other.
+  std::optional<double> heading_rad{};
 };
 
-/// Agents that all begin at rest, heading toward their goals.
+/// Agents that all begin at rest.
 struct TestCase {
   std::vector<AgentSpec> agents;
   /// Goals that are flown to afterwards, one after the other, in the order of the agents: places

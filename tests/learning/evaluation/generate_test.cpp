@@ -52,6 +52,24 @@ TEST_P(Generated, CasesAreAFunctionOfSeedAndNumber) {
   EXPECT_NE(textOf(few), textOf(generateCases(GetParam(), settings, 3, 8)));
 }
 
+TEST(Generate, CasesStayWithinTheGrowthThatIsAllowed) {
+  GeneratorSettings settings;
+  settings.agents = 10;
+  const auto farthest = [&] {
+    double farthest_m = 0.0;
+    for (const TestCase& each : generateCases("random", settings, 100, 5)) {
+      for (const AgentSpec& agent : each.agents) {
+        farthest_m = std::max(farthest_m, agent.goal_m.cwiseAbs().maxCoeff());
+      }
+    }
+    return farthest_m;
+  };
+  const double unbounded_m = farthest();
+  settings.max_growth = 1.4;
+  EXPECT_LE(farthest(), 1.4 * settings.half_side_m);
+  EXPECT_GT(unbounded_m, 1.4 * settings.half_side_m);
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, Generated, ::testing::Values("mixed", "random", "circle", "swap"));
 
 TEST(Generate, RandomAgentsMeetOnTheirStraightWays) {
