@@ -8,6 +8,7 @@
 #include "cli/script_command.h"
 #include "cli/spy_command.h"
 #include "learning/evaluation/evaluate_command.h"
+#include "learning/training/train_command.h"
 #include "logs/log_commands.h"
 #include "mocap_bridge/tools/mocap_commands.h"
 #include "planner/policy_tools/policy_commands.h"
@@ -19,6 +20,7 @@ void addCommands(CLI::App& app, int& exit_status) {
   addOrderCommand(app, exit_status);
   addMissionCommand(app, exit_status);
   learning::addEvaluateCommand(app, exit_status);
+  learning::addTrainCommand(app, exit_status);
   logs::addLogCommands(app);
   mocap_bridge::addMocapCommands(app, exit_status);
   addReplayCommand(app, exit_status);

@@ -29,6 +29,7 @@ namespace roundabout::learning {
 namespace {
 
 constexpr int kInterrupted = 130;
+constexpr const char* kDefaultPolicy = "ga3c_cadrl";
 
 struct Options {
   std::vector<std::string> policies;
@@ -56,7 +57,10 @@ struct Options {
 void list() {
   fmt::print("policies\n");
   for (const planner::PolicyEntry& entry : planner::policyTable()) {
-    fmt::print("  {}{}\n", entry.name, entry.needs_weights ? ":WEIGHTS" : "");
+    fmt::print("  {}{}\n", entry.name,
+               !entry.has_weights              ? ""
+               : entry.shipped_weights.empty() ? ":WEIGHTS"
+                                               : "[:WEIGHTS]");
   }
   fmt::print("suites\n");
   for (const SuiteEntry& entry : suiteTable()) {
@@ -141,9 +145,6 @@ Evaluation prepare(const Options& options) {
   if (sources != 1) {
     throw core::StartupError("evaluate", "cases", "one of --suite, --cases, --generate",
                              sources == 0 ? "none" : "several");
-  }
-  if (options.policies.empty()) {
-    throw core::StartupError("evaluate", "--policy", "at least one", "none");
   }
   if (options.folder.empty()) {
     throw core::StartupError("evaluate", "--out", "a folder", "none");
@@ -249,10 +250,13 @@ void drawAll(const Options& options, const Evaluation& evaluation, const Results
   }
 }
 
-int evaluate(const Options& options) {
+int evaluate(Options options) {
   if (options.list) {
     list();
     return 0;
+  }
+  if (options.policies.empty()) {
+    options.policies = {kDefaultPolicy};
   }
   app::StopSignal stop;
   const Evaluation evaluation = prepare(options);
@@ -289,7 +293,7 @@ int evaluate(const Options& options) {
 void addEvaluateCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("evaluate", "Run policies on the same test cases");
   auto options = std::make_shared<Options>();
-  command->add_option("--policy", options->policies, "NAME or NAME:WEIGHTS; repeatable")
+  command->add_option("--policy", options->policies, "NAME or NAME:WEIGHTS; repeatable. Default: ga3c_cadrl")
       ->allow_extra_args(false)
       ->take_all();
   command->add_option("--suite", options->suite, "Cases by name (--list)");

@@ -6,6 +6,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "planner/policies/table.h"
+
 namespace roundabout::learning {
 
 namespace {
@@ -51,9 +53,9 @@ std::string textOf(const Suite& suite) {
 json describe(const Contestant& contestant) {
   const std::string& specification = contestant.specification;
   json description = {{"policy", specification}, {"shielded", contestant.shielded}};
-  const std::size_t colon = specification.find(':');
-  if (colon != std::string::npos) {
-    std::ifstream file(specification.substr(colon + 1), std::ios::binary);
+  const std::string weights = planner::weightsOf(specification);
+  if (!weights.empty()) {
+    std::ifstream file(weights, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     description["weights_hash"] = hashOf(bytes);
   }

@@ -27,12 +27,17 @@ void WeightFile::failMetadata(const std::string& key, const std::string& expecte
   throw StartupError(path_, "metadata " + key, expected, found);
 }
 
-const std::string& WeightFile::text(const std::string& key) const {
+const std::string* WeightFile::findText(const std::string& key) const {
   const auto entry = file_.metadata.find(key);
-  if (entry == file_.metadata.end()) {
+  return entry == file_.metadata.end() ? nullptr : &entry->second;
+}
+
+const std::string& WeightFile::text(const std::string& key) const {
+  const std::string* found = findText(key);
+  if (found == nullptr) {
     failMetadata(key, "to be there", "nothing");
   }
-  return entry->second;
+  return *found;
 }
 
 nlohmann::json WeightFile::json(const std::string& key) const {

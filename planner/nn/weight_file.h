@@ -33,6 +33,8 @@ class WeightFile {
   WeightFile(const TensorFile& file, const std::string& path) : file_(file), path_(path) {}
 
   const std::string& text(const std::string& key) const;
+  /// nullptr if it is not there.
+  const std::string* findText(const std::string& key) const;
   nlohmann::json json(const std::string& key) const;
   /// A whole number from 1 to `most`.
   int count(const std::string& key, int most) const;

@@ -20,12 +20,13 @@ namespace roundabout::planner {
 namespace {
 
 constexpr std::array kPolicies = {
-    PolicyEntry{"ga3c_cadrl", true, makeGa3cCadrl},
-    PolicyEntry{"cadrl", true, makeCadrl},
-    PolicyEntry{"drl_maca", true, makeDrlMaca},
-    PolicyEntry{"orca", false, makeOrca},
-    PolicyEntry{"non_cooperative", false, makeNonCooperative},
-    PolicyEntry{"static", false, makeStatic},
+    PolicyEntry{"ga3c_cadrl", true, ROUNDABOUT_POLICIES "/ga3c_cadrl/weights/default.safetensors",
+                makeGa3cCadrl},
+    PolicyEntry{"cadrl", true, "", makeCadrl},
+    PolicyEntry{"drl_maca", true, "", makeDrlMaca},
+    PolicyEntry{"orca", false, "", makeOrca},
+    PolicyEntry{"non_cooperative", false, "", makeNonCooperative},
+    PolicyEntry{"static", false, "", makeStatic},
 };
 
 const PolicyEntry& entryOf(const std::string& name, const PolicyOptions& options) {
@@ -47,19 +48,32 @@ const PolicyEntry& entryOf(const std::string& name, const PolicyOptions& options
 
 std::span<const PolicyEntry> policyTable() { return kPolicies; }
 
+std::string weightsOf(const std::string& specification) {
+  const std::size_t colon = specification.find(':');
+  if (colon != std::string::npos) {
+    return specification.substr(colon + 1);
+  }
+  for (const PolicyEntry& entry : kPolicies) {
+    if (entry.name == specification) {
+      return std::string(entry.shipped_weights);
+    }
+  }
+  return {};
+}
+
 std::unique_ptr<Policy> makePolicy(const std::string& specification, const PolicyOptions& options) {
   const std::size_t colon = specification.find(':');
   const PolicyEntry& entry = entryOf(specification.substr(0, colon), options);
   PolicyOptions its_options = options;
-  if (colon != std::string::npos) {
-    its_options.weights = specification.substr(colon + 1);
+  if (entry.has_weights && (colon != std::string::npos || its_options.weights.empty())) {
+    its_options.weights = weightsOf(specification);
   }
-  if (entry.needs_weights && its_options.weights.empty()) {
+  if (entry.has_weights && its_options.weights.empty()) {
     throw core::StartupError(options.where, "planner.policy",
                              fmt::format("\"{}:WEIGHTS\"", entry.name),
                              config::quoted(specification));
   }
-  if (!entry.needs_weights && colon != std::string::npos) {
+  if (!entry.has_weights && colon != std::string::npos) {
     throw core::StartupError(options.where, "planner.policy",
                              fmt::format("\"{}\", which has no weights", entry.name),
                              config::quoted(specification));

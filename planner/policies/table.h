@@ -20,12 +20,16 @@ struct PolicyOptions {
 
 struct PolicyEntry {
   std::string_view name;
-  bool needs_weights;
+  bool has_weights;
+  std::string_view shipped_weights;  ///< path; empty: it flies only with weights that are named
   std::unique_ptr<Policy> (*make)(const PolicyOptions& options);
 };
 
 /// Every policy there is; a new one is a sub-folder and a line in table.cpp.
 std::span<const PolicyEntry> policyTable();
+
+/// The path of the weights that a specification NAME or NAME:WEIGHTS means; empty if there are none.
+std::string weightsOf(const std::string& specification);
 
 /// Makes the policy of a specification NAME or NAME:WEIGHTS.
 /// Throws core::StartupError if the name is unknown (with the nearest known one), weights are

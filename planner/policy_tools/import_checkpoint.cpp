@@ -15,12 +15,6 @@ namespace {
 
 /// The published networks' own, which their graphs apply and their variables do not hold. 3.14 is
 /// what they have, not pi.
-constexpr Normalisation kPublishedNormalisation = {
-    .ego_mean = {0.0, 0.0, 1.0, 0.5},
-    .ego_deviation = {5.0, 3.14, 1.0, 1.0},
-    .other_mean = {0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 1.0},
-    .other_deviation = {5.0, 5.0, 1.0, 1.0, 1.0, 5.0, 1.0},
-};
 constexpr int kPublishedMaxOthers = 19;
 
 struct Renamed {

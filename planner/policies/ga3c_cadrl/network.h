@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,12 +20,37 @@ struct Normalisation {
   std::array<double, kOtherFields.size()> other_deviation;
 };
 
+/// That of the published networks, also used for our own.
+inline constexpr Normalisation kPublishedNormalisation = {
+    .ego_mean = {0.0, 0.0, 1.0, 0.5},
+    .ego_deviation = {5.0, 3.14, 1.0, 1.0},
+    .other_mean = {0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 1.0},
+    .other_deviation = {5.0, 5.0, 1.0, 1.0, 1.0, 5.0, 1.0},
+};
+
+/// What the value head's output is to be added to.
+enum class ValueBaseline {
+  kNone,
+  kLoneAgent,  ///< loneAgentValue()
+};
+
+/// Value of an agent that has the room to itself: the reward of 1 for arriving, discounted for the
+/// time it takes on the straight line (paper, section "Learning the Policy": 0.97 for 0.2 s).
+double loneAgentValue(double distance_to_goal_m, double preferred_speed_mps);
+
+/// When an agent counts as stalled, and what it then does (StallBreaker).
+struct StallSettings {
+  int decisions = 40;       ///< so many without progress
+  double progress_m = 0.1;  ///< nearer to the goal than ever before
+  double sharpness = 0.5;   ///< probabilities to this power are drawn from
+};
+
 /// Topology and parameters of a GA3C-CADRL network (paper, section "Approach"; layer sizes are the
-/// published code's): an LSTM or a shared layer sums up the others; this summary and the ego's
-/// fields pass three layers; two heads give the actions' scores and the value. Never changes once
-/// loaded: agents share it.
+/// published code's): an LSTM, a shared layer or a maximum sums up the others; this summary and the
+/// ego's fields pass three layers; two heads give the actions' scores and the value. Never changes
+/// once loaded: agents share it.
 struct Ga3cCadrlWeights {
-  static constexpr int kEgoInputs = static_cast<int>(kEgoFields.size());
+  static constexpr int kEgoInputs = planner::kEgoInputs;
   static constexpr int kActionCount = static_cast<int>(kActions.size());
   static constexpr int kWidth = 256;
 
@@ -32,10 +58,17 @@ struct Ga3cCadrlWeights {
   OtherInput other_mean, other_deviation;
   int max_others = 0;  ///< the most it was made to read
   OthersOrder others_order = OthersOrder::kClosestLast;
+  ValueBaseline value_baseline = ValueBaseline::kNone;
+  std::optional<StallSettings> stall;  ///< nothing: always the most probable action
   OthersReader others;
   nn::Dense<Eigen::Dynamic, kWidth> layer1;  ///< inputs: the ego, then the summary of the others
   nn::Dense<kWidth, kWidth> layer2, layer3;
   nn::Dense<kWidth, kActionCount + 1> heads;  ///< the actions' scores, then the value
+
+  EgoInput normalisedEgo(const EgoFeatures& features) const {
+    const Eigen::Map<const EgoInput> ego(features.data());
+    return (ego - ego_mean).cwiseQuotient(ego_deviation);
+  }
 
   OtherInput normalisedOther(const OtherFeatures& features) const {
     const Eigen::Map<const OtherInput> other(features.data());

@@ -9,8 +9,14 @@
 namespace roundabout::planner {
 
 inline constexpr int kOtherInputs = static_cast<int>(kOtherFields.size());
+inline constexpr int kEgoInputs = static_cast<int>(kEgoFields.size());
 /// Units that read one other agent.
 inline constexpr int kReaderUnits = 64;
+/// The same, where a maximum over the others follows.
+inline constexpr int kPooledUnits = 128;
+
+/// The ego, normalised.
+using EgoInput = nn::Row<kEgoInputs>;
 
 /// One other agent, normalised.
 using OtherInput = nn::Row<kOtherInputs>;
@@ -22,7 +28,7 @@ using Summary = Eigen::Ref<nn::Row<Eigen::Dynamic>>;
 struct RecurrentReader {
   nn::Lstm<kOtherInputs, kReaderUnits> lstm;
 
-  void read(std::span<const OtherInput> others, Summary summary) const;
+  void read(const EgoInput& ego, std::span<const OtherInput> others, Summary summary) const;
 };
 
 /// Reads every slot with the same layer; the summary is what comes out of all slots (the paper's
@@ -33,9 +39,18 @@ struct SharedReader {
   OtherInput nobody = OtherInput::Zero();                ///< stands in an empty slot
 
   /// Others beyond the last slot are not read.
-  void read(std::span<const OtherInput> others, Summary summary) const;
+  void read(const EgoInput& ego, std::span<const OtherInput> others, Summary summary) const;
 };
 
-using OthersReader = std::variant<RecurrentReader, SharedReader>;
+/// Reads every other agent, beside the ego, with the same two layers; the summary is the maximum of
+/// each unit over the others, zero without any. Their order does not matter.
+struct PooledReader {
+  nn::Dense<kEgoInputs + kOtherInputs, kPooledUnits> first;
+  nn::Dense<kPooledUnits, kPooledUnits> second;
+
+  void read(const EgoInput& ego, std::span<const OtherInput> others, Summary summary) const;
+};
+
+using OthersReader = std::variant<RecurrentReader, SharedReader, PooledReader>;
 
 }  // namespace roundabout::planner

@@ -1,7 +1,9 @@
 #include "planner/policies/ga3c_cadrl/weights.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -20,6 +22,12 @@ constexpr int kMaxOthersLimit = 1000;
 constexpr double kActionTolerance = 1e-6;
 /// TensorFlow adds this to the forget gate when it runs; it is not in the stored bias.
 constexpr float kForgetBias = 1.0F;
+
+/// A file without the key has the first.
+constexpr std::array kValueBaselines = {
+    std::pair(std::string_view("none"), ValueBaseline::kNone),
+    std::pair(std::string_view("lone_agent"), ValueBaseline::kLoneAgent),
+};
 
 json actionTable() {
   json table = json::array();
@@ -64,16 +72,35 @@ OthersOrder othersOrder(const nn::WeightFile& file, const std::string& key) {
   return *order;
 }
 
+std::optional<StallSettings> stallSettings(const nn::WeightFile& file, const std::string& key) {
+  if (file.findText(key) == nullptr) {
+    return std::nullopt;
+  }
+  const std::vector<float> numbers = file.numbers(key, 3, true);
+  return StallSettings{static_cast<int>(numbers[0]), numbers[1], numbers[2]};
+}
+
 std::string_view knownArchitecture(const nn::WeightFile& file) {
   const std::string& found = file.text("architecture");
-  for (const std::string_view known : {kLstmArchitecture, kWeightSharingArchitecture}) {
+  constexpr std::array kKnown = {kLstmArchitecture, kWeightSharingArchitecture,
+                                 kPooledArchitecture};
+  for (const std::string_view known : kKnown) {
     if (found == known) {
       return known;
     }
   }
-  file.failMetadata("architecture",
-                    fmt::format("\"{}\" or \"{}\"", kLstmArchitecture, kWeightSharingArchitecture),
+  file.failMetadata("architecture", fmt::format("one of {}", fmt::join(kKnown, ", ")),
                     fmt::format("\"{}\"", found));
+}
+
+ValueBaseline valueBaseline(const nn::WeightFile& file, const std::string& key) {
+  const std::string* name = file.findText(key);
+  for (const auto& [known, baseline] : kValueBaselines) {
+    if (name == nullptr || *name == known) {
+      return baseline;
+    }
+  }
+  file.failMetadata(key, "none or lone_agent", fmt::format("\"{}\"", *name));
 }
 
 RecurrentReader recurrentReader(const nn::WeightFile& file) {
@@ -95,12 +122,20 @@ SharedReader sharedReader(const nn::WeightFile& file, const Ga3cCadrlWeights& we
   return reader;
 }
 
+PooledReader pooledReader(const nn::WeightFile& file) {
+  PooledReader reader;
+  file.fill(reader.first, "other1");
+  file.fill(reader.second, "other2");
+  return reader;
+}
+
 }  // namespace
 
 std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int max_others) {
   constexpr int kWidth = Ga3cCadrlWeights::kWidth;
   const bool shared = architecture == kWeightSharingArchitecture;
-  const int summary = kReaderUnits * (shared ? max_others : 1);
+  const bool pooled = architecture == kPooledArchitecture;
+  const int summary = pooled ? kPooledUnits : kReaderUnits * (shared ? max_others : 1);
   std::vector<nn::TensorSpec> tensors = {
       {"layer1/kernel", Ga3cCadrlWeights::kEgoInputs + summary, kWidth},
       {"layer1/bias", 0, kWidth},
@@ -115,6 +150,11 @@ std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int 
   if (shared) {
     tensors.push_back({"other/kernel", kOtherInputs + 1, kReaderUnits});
     tensors.push_back({"other/bias", 0, kReaderUnits});
+  } else if (pooled) {
+    tensors.push_back({"other1/kernel", kEgoInputs + kOtherInputs, kPooledUnits});
+    tensors.push_back({"other1/bias", 0, kPooledUnits});
+    tensors.push_back({"other2/kernel", kPooledUnits, kPooledUnits});
+    tensors.push_back({"other2/bias", 0, kPooledUnits});
   } else {
     tensors.push_back({"lstm/kernel", kOtherInputs + kReaderUnits, 4 * kReaderUnits});
     tensors.push_back({"lstm/bias", 0, 4 * kReaderUnits});
@@ -124,7 +164,7 @@ std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int 
 
 std::map<std::string, std::string> ga3cCadrlMetadata(const Ga3cCadrlDescription& description) {
   const Normalisation& normalisation = description.normalisation;
-  return {{"architecture", std::string(description.architecture)},
+  std::map<std::string, std::string> metadata = {{"architecture", std::string(description.architecture)},
           {"format_version", std::string(kFormatVersion)},
           {"ego_fields", json(kEgoFields).dump()},
           {"ego_mean", json(normalisation.ego_mean).dump()},
@@ -135,7 +175,14 @@ std::map<std::string, std::string> ga3cCadrlMetadata(const Ga3cCadrlDescription&
           {"others_order", std::string(nameOf(description.others_order))},
           {"max_others", std::to_string(description.max_others)},
           {"actions", actionTable().dump()},
+          {"value_baseline",
+           std::string(kValueBaselines[static_cast<std::size_t>(description.value_baseline)].first)},
           {"provenance", description.provenance}};
+  if (description.stall) {
+    const StallSettings& stall = *description.stall;
+    metadata["stall"] = json({stall.decisions, stall.progress_m, stall.sharpness}).dump();
+  }
+  return metadata;
 }
 
 std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile& tensors,
@@ -158,9 +205,13 @@ std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile&
   weights->other_deviation = file.row<kOtherInputs>("other_deviation", true);
   weights->max_others = max_others;
   weights->others_order = othersOrder(file, "others_order");
+  weights->value_baseline = valueBaseline(file, "value_baseline");
+  weights->stall = stallSettings(file, "stall");
 
   if (architecture == kWeightSharingArchitecture) {
     weights->others = sharedReader(file, *weights);
+  } else if (architecture == kPooledArchitecture) {
+    weights->others = pooledReader(file);
   } else {
     weights->others = recurrentReader(file);
   }

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +14,10 @@
 
 namespace roundabout::planner {
 
-/// With an LSTM, and with weights shared by all other agents.
+/// With an LSTM, with weights shared by all other agents, and with a maximum over them.
 inline constexpr std::string_view kLstmArchitecture = "ga3c_cadrl_lstm";
 inline constexpr std::string_view kWeightSharingArchitecture = "ga3c_cadrl_ws";
+inline constexpr std::string_view kPooledArchitecture = "ga3c_cadrl_pool";
 
 /// The tensors of a file. Kernels are [inputs, outputs].
 std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int max_others);
@@ -26,6 +28,8 @@ struct Ga3cCadrlDescription {
   Normalisation normalisation;
   int max_others = 0;
   OthersOrder others_order = OthersOrder::kClosestLast;  ///< that it was trained with
+  ValueBaseline value_baseline = ValueBaseline::kNone;
+  std::optional<StallSettings> stall{};
   std::string provenance;  ///< where it comes from, how it was trained
 };
 

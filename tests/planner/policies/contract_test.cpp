@@ -1,6 +1,7 @@
 // What every entry of the table of policies promises (planner/policy.h).
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -39,8 +40,12 @@ struct Answer {
   std::vector<float> probabilities;
 };
 
-// The table's ga3c_cadrl again, with a network of another architecture.
-constexpr std::string_view kSharedWeights = "ga3c_cadrl_ws";
+// The table's ga3c_cadrl again, with networks of other architectures.
+constexpr std::array kOtherArchitectures = {kWeightSharingArchitecture, kPooledArchitecture};
+
+bool isArchitecture(std::string_view name) {
+  return std::ranges::find(kOtherArchitectures, name) != kOtherArchitectures.end();
+}
 
 class PolicyContract : public ::testing::TestWithParam<std::string> {
  protected:
@@ -48,9 +53,9 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
 
   void SetUp() override {
     specification_ = tableName();
-    if (GetParam() == kSharedWeights) {
+    if (isArchitecture(GetParam())) {
       const std::string weights = folder_ / "weights.safetensors";
-      nn::writeSafetensors(weights, test::randomGa3cCadrl(1, kWeightSharingArchitecture, 5));
+      nn::writeSafetensors(weights, test::randomGa3cCadrl(1, GetParam(), 5));
       specification_ += ":" + weights;
     } else if (GetParam() == "ga3c_cadrl") {
       const std::string weights = folder_ / "weights.safetensors";
@@ -72,7 +77,7 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
   }
 
   static std::string tableName() {
-    return GetParam() == kSharedWeights ? "ga3c_cadrl" : GetParam();
+    return isArchitecture(GetParam()) ? "ga3c_cadrl" : GetParam();
   }
 
   // With a scan for policies that need one; it has nothing to do with the scene.
@@ -313,7 +318,7 @@ std::vector<std::string> policyNames() {
   for (const PolicyEntry& entry : policyTable()) {
     names.emplace_back(entry.name);
   }
-  names.emplace_back(kSharedWeights);
+  names.insert(names.end(), kOtherArchitectures.begin(), kOtherArchitectures.end());
   return names;
 }
 

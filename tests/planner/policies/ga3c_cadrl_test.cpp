@@ -49,8 +49,7 @@ class PlainNetwork {
     const Normalisation norm = test::unusualNormalisation();
     Numbers wide =
         joined(observation.ego, norm.ego_mean, norm.ego_deviation,
-               file_.metadata.at("architecture") == kLstmArchitecture ? lstm(observation.others)
-                                                                      : slots(observation.others));
+               summary(observation));
     for (const char* name : {"layer1", "layer2", "layer3"}) {
       wide = relu(layer(name, wide));
     }
@@ -66,6 +65,28 @@ class PlainNetwork {
   }
 
  private:
+  Numbers summary(const Observation& observation) const {
+    const std::string& architecture = file_.metadata.at("architecture");
+    return architecture == kLstmArchitecture            ? lstm(observation.others)
+           : architecture == kWeightSharingArchitecture ? slots(observation.others)
+                                                        : maximum(observation);
+  }
+
+  // The largest of each unit, over the others.
+  Numbers maximum(const Observation& observation) const {
+    const Normalisation norm = test::unusualNormalisation();
+    Numbers best(128, 0.0);
+    for (const OtherFeatures& other : observation.others) {
+      const Numbers pair = joined(observation.ego, norm.ego_mean, norm.ego_deviation,
+                                  joined(other, norm.other_mean, norm.other_deviation, {}));
+      const Numbers output = relu(layer("other2", relu(layer("other1", pair))));
+      for (std::size_t k = 0; k < best.size(); ++k) {
+        best[k] = std::max(best[k], output[k]);
+      }
+    }
+    return best;
+  }
+
   // The last hidden state.
   Numbers lstm(const std::vector<OtherFeatures>& others) const {
     const Normalisation norm = test::unusualNormalisation();
@@ -152,6 +173,43 @@ TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPassWhenOthersShareWeights) {
     SCOPED_TRACE(slots);
     expectThePlainForwardPass(test::randomGa3cCadrl(4, kWeightSharingArchitecture, slots));
   }
+}
+
+TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPassWithAMaximumOverOthers) {
+  expectThePlainForwardPass(test::randomGa3cCadrl(14, kPooledArchitecture));
+}
+
+TEST(Ga3cCadrlNetwork, DoesNotCareForTheOrderOfOthersWithAMaximumOverThem) {
+  Ga3cCadrlNetwork network(
+      toGa3cCadrlWeights(test::randomGa3cCadrl(15, kPooledArchitecture), "pooled"));
+  core::RandomStream random(15, "scene");
+  const Scene scene = randomScene(random, 6, 5.0);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
+  Observation observation = encoder.encode(scene.ego, scene.others);
+  const float expected = network.evaluate(observation).value;
+  std::ranges::reverse(observation.others);
+  EXPECT_EQ(network.evaluate(observation).value, expected);
+}
+
+TEST(Ga3cCadrlNetwork, AddsTheValueOfALoneAgentWhereTheFileSaysSo) {
+  nn::TensorFile file = test::randomGa3cCadrl(16, kPooledArchitecture);
+  core::RandomStream random(16, "scene");
+  const Scene scene = randomScene(random, 2, 5.0);
+  ObservationEncoder encoder(19, OthersOrder::kClosestLast);
+  const Observation& observation = encoder.encode(scene.ego, scene.others);
+  const auto value = [&] {
+    return Ga3cCadrlNetwork(toGa3cCadrlWeights(file, "pooled")).evaluate(observation).value;
+  };
+  const float bare = value();
+  file.metadata["value_baseline"] = "lone_agent";
+  EXPECT_NEAR(value(), bare + loneAgentValue(observation.ego[0], observation.ego[2]), 1e-6);
+}
+
+TEST(LoneAgentValue, IsTheRewardDiscountedForTheWay) {
+  EXPECT_DOUBLE_EQ(loneAgentValue(0.1, 1.0), 1.0);
+  // One metre beyond the goal's radius takes five steps of 0.2 s.
+  EXPECT_NEAR(loneAgentValue(1.2, 1.0), std::pow(0.97, 5.0), 1e-12);
+  EXPECT_NEAR(loneAgentValue(1.2, 0.5), std::pow(0.97, 10.0), 1e-12);
 }
 
 TEST(Ga3cCadrlNetwork, TellsAnEmptySlotFromAnAgentOfZeros) {
@@ -292,6 +350,8 @@ TEST(Ga3cCadrl, AllocatesNothingAfterTheFirstQuery) {
   Ga3cCadrl shared(
       toGa3cCadrlWeights(test::randomGa3cCadrl(10, kWeightSharingArchitecture, 5), "shared"));
   expectNoAllocationAfterTheFirstQuery(shared);
+  Ga3cCadrl pooled(toGa3cCadrlWeights(test::randomGa3cCadrl(10, kPooledArchitecture), "pooled"));
+  expectNoAllocationAfterTheFirstQuery(pooled);
 }
 
 TEST(Ga3cCadrl, SharedWeightsReadTheMostImportantOthersWhenThereIsNoRoomForAll) {

@@ -93,6 +93,15 @@ TEST_F(Ga3cCadrlWeightFile, IsRefusedWithTheTensorsOfTheOtherArchitecture) {
             "net.safetensors: tensor lstm/kernel: expected shape [71, 256], found no such tensor");
 }
 
+TEST_F(Ga3cCadrlWeightFile, NeedsNoWordOnTheValuesBaselineButNoUnknownOne) {
+  file_.metadata.erase("value_baseline");
+  EXPECT_EQ(toGa3cCadrlWeights(file_, "net.safetensors")->value_baseline, ValueBaseline::kNone);
+  file_.metadata["value_baseline"] = "tomorrow";
+  EXPECT_EQ(error(),
+            "net.safetensors: metadata value_baseline: expected none or lone_agent, found "
+            "\"tomorrow\"");
+}
+
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWithANumberThatIsNotFinite) {
   file_.tensors["layer2/kernel"].values[5] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(error(),

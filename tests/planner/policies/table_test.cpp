@@ -38,10 +38,23 @@ TEST(PolicyTable, NameLikeNoneIsAnsweredWithAllNames) {
 }
 
 TEST(PolicyTable, MissingWeightsAreAskedFor) {
-  EXPECT_EQ(errorOf("ga3c_cadrl"),
-            "demo.yaml: planner.policy: expected \"ga3c_cadrl:WEIGHTS\", found \"ga3c_cadrl\"");
+  EXPECT_EQ(errorOf("cadrl"),
+            "demo.yaml: planner.policy: expected \"cadrl:WEIGHTS\", found \"cadrl\"");
   EXPECT_EQ(errorOf("ga3c_cadrl:"),
             "demo.yaml: planner.policy: expected \"ga3c_cadrl:WEIGHTS\", found \"ga3c_cadrl:\"");
+}
+
+TEST(PolicyTable, WeightsThatShipAreThereAndMeantWithoutAWord) {
+  for (const PolicyEntry& entry : policyTable()) {
+    const std::string name(entry.name);
+    EXPECT_EQ(weightsOf(name), entry.shipped_weights);
+    if (!entry.shipped_weights.empty()) {
+      EXPECT_EQ(errorOf(name), "");
+    }
+  }
+  EXPECT_EQ(weightsOf("ga3c_cadrl:a.safetensors"), "a.safetensors");
+  EXPECT_EQ(weightsOf("orca"), "");
+  EXPECT_EQ(weightsOf("nobody"), "");
 }
 
 TEST(PolicyTable, SuperfluousWeightsAreRefused) {

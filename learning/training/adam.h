@@ -1,0 +1,23 @@
+#pragma once
+
+#include "learning/training/parameters.h"
+
+namespace roundabout::learning {
+
+/// Adam (Kingma and Ba 2015).
+struct Adam {
+  static constexpr double kFirstDecay = 0.9;
+  static constexpr double kSecondDecay = 0.99;
+  static constexpr double kEpsilon = 1e-6;
+
+  Parameters first;   ///< running mean of the gradient
+  Parameters second;  ///< running mean of its square
+  long updates = 0;
+
+  explicit Adam(Eigen::Index size)
+      : first(Parameters::Zero(size)), second(Parameters::Zero(size)) {}
+
+  void update(const Parameters& gradient, double learning_rate, Parameters& parameters);
+};
+
+}  // namespace roundabout::learning

@@ -1,0 +1,136 @@
+#include "learning/training/recipe.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "common/config/document.h"
+#include "common/config/reader.h"
+#include "common/config/writer.h"
+#include "common/core/error.h"
+
+namespace roundabout::learning {
+
+using config::above;
+using config::atLeast;
+using config::between;
+
+template <class Visitor>
+void describe(Visitor& visit, Stage& stage) {
+  visit("name", stage.name);
+  visit("world", stage.world, config::oneOf({"ideal", "lab"}));
+  visit("agent_steps", stage.agent_steps, above(0.0));
+  visit("min_agents", stage.min_agents, between(1.0, 40.0));
+  visit("max_agents", stage.max_agents, between(1.0, 40.0));
+  visit("planning_step_s", stage.planning_step_s, between(0.01, 1.0));
+  visit("learning_rate", stage.learning_rate);
+  visit("entropy_weight", stage.entropy_weight);
+  visit("collision_reward", stage.collision_reward);
+  visit("trap_share", stage.trap_share, between(0.0, 1.0));
+  visit("sharp_share", stage.sharp_share, between(0.0, 1.0));
+  visit("sharpness", stage.sharpness, above(0.0));
+  visit("lab_variation", stage.lab_variation, between(0.0, 0.9));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Crowd& crowd) {
+  visit("non_cooperative_share", crowd.non_cooperative_share, between(0.0, 0.9));
+  visit("static_share", crowd.static_share, between(0.0, 0.9));
+  visit("turned_share", crowd.turned_share, between(0.0, 1.0));
+  visit("wide_speeds_share", crowd.wide_speeds_share, between(0.0, 1.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Ppo& ppo) {
+  visit("environments", ppo.environments, between(1.0, 100000.0));
+  visit("steps", ppo.steps, between(1.0, 10000.0));
+  visit("lab_episodes", ppo.lab_episodes, between(1.0, 100000.0));
+  visit("epochs", ppo.epochs, between(1.0, 100.0));
+  visit("minibatch", ppo.minibatch, between(1.0, 1e6));
+  visit("clip", ppo.clip, between(0.0, 1.0));
+  visit("trace_decay", ppo.trace_decay, between(0.0, 1.0));
+  visit("value_weight", ppo.value_weight, atLeast(0.0));
+  visit("max_gradient_norm", ppo.max_gradient_norm, above(0.0));
+  visit("max_divergence", ppo.max_divergence, above(0.0));
+  visit("averaged_updates", ppo.averaged_updates, atLeast(1.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Validation& validation) {
+  visit("every_agent_steps", validation.every_agent_steps, above(0.0));
+  visit("agents", validation.agents, between(1.0, 100.0));
+  visit("rules", validation.rules, config::oneOf({"published", "lab"}));
+  visit("cases", validation.cases, between(1.0, 100000.0));
+  visit("seed", validation.seed);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Recipe& recipe) {
+  visit("network", recipe.network, config::oneOf({"pool"}));
+  visit("begin_with", recipe.begin_with);
+  visit("seed", recipe.seed);
+  visit("shards", recipe.shards, between(1.0, 256.0));
+  visit("checkpoint_agent_steps", recipe.checkpoint_agent_steps, above(0.0));
+  visit("ppo", recipe.ppo);
+  visit("crowd", recipe.crowd);
+  visit("validation", recipe.validation);
+  visit("stages", recipe.stages);
+}
+
+StagePlace stageAt(const Recipe& recipe, double agent_steps) {
+  for (const Stage& stage : recipe.stages) {
+    if (agent_steps < stage.agent_steps) {
+      return {&stage, agent_steps / stage.agent_steps};
+    }
+    agent_steps -= stage.agent_steps;
+  }
+  return {&recipe.stages.back(), 1.0};
+}
+
+double totalAgentSteps(const Recipe& recipe) {
+  double total = 0.0;
+  for (const Stage& stage : recipe.stages) {
+    total += stage.agent_steps;
+  }
+  return total;
+}
+
+Recipe parseRecipe(const std::string& yaml, const std::string& file,
+                   const std::vector<std::string>& overrides) {
+  const config::Document document(yaml, file, overrides);
+  Recipe recipe;
+  config::Reader reader(document, document.root(), "");
+  describe(reader, recipe);
+  reader.finish();
+  if (recipe.stages.empty()) {
+    document.fail("stages", "at least one stage", "none");
+  }
+  for (std::size_t i = 0; i < recipe.stages.size(); ++i) {
+    const Stage& stage = recipe.stages[i];
+    if (stage.max_agents < stage.min_agents) {
+      document.fail("stages[" + std::to_string(i) + "].max_agents",
+                    "at least " + std::to_string(stage.min_agents),
+                    std::to_string(stage.max_agents));
+    }
+  }
+  return recipe;
+}
+
+Recipe readRecipe(const std::string& path, const std::vector<std::string>& overrides) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    throw core::StartupError(path, "recipe", "a file that can be read", std::strerror(errno));
+  }
+  return parseRecipe(text.str(), path, overrides);
+}
+
+std::string writeRecipe(const Recipe& recipe) {
+  Recipe copy = recipe;
+  config::Writer writer;
+  writer.write(copy);
+  return writer.text();
+}
+
+}  // namespace roundabout::learning

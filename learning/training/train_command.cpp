@@ -1,0 +1,211 @@
+#include "learning/training/train_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/app/stop_signal.h"
+#include "common/core/error.h"
+#include "learning/training/run_folder.h"
+
+namespace roundabout::learning {
+
+namespace {
+
+constexpr int kInterrupted = 130;
+constexpr double kReportEvery_s = 10.0;
+constexpr double kRollingEpisodes = 1000.0;
+
+struct Options {
+  std::string recipe;
+  std::string folder;
+  std::vector<std::string> overrides;
+  std::optional<std::uint64_t> seed;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  bool resume = false;
+};
+
+/// Wall clock and computing time of this process, on top of what was spent before.
+class Stopwatch {
+ public:
+  explicit Stopwatch(const Expense& before) : before_(before) {}
+
+  Expense read() const {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began_;
+    return {before_.wall_s + wall.count(), before_.cpu_s + cpu() - cpu_began_};
+  }
+
+ private:
+  static double cpu() {
+    return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
+  }
+
+  Expense before_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  double cpu_began_ = cpu();
+};
+
+/// Mean over about the last thousand episodes.
+class RollingMean {
+ public:
+  void add(double mean, double count) {
+    const double weight = std::max(count / (seen_ + count), 1.0 - std::exp(-count / kRollingEpisodes));
+    seen_ += count;
+    mean_ += weight * (mean - mean_);
+  }
+  double value() const { return mean_; }
+
+ private:
+  double mean_ = 0.0;
+  double seen_ = 0.0;
+};
+
+/// One session of training: from where the run is to its end, or to an interruption.
+class Session {
+ public:
+  Session(RunFolder folder, const Options& options)
+      : folder_(std::move(folder)), threads_(options.threads) {
+    const Recipe& recipe = folder_.recipe();
+    if (options.resume) {
+      const Trainer empty(recipe, 1);
+      RunFolder::Checkpoint checkpoint = folder_.loadCheckpoint(empty.layout());
+      before_ = checkpoint.expense;
+      trainer_.emplace(recipe, threads_, std::move(checkpoint.state));
+    } else {
+      trainer_.emplace(recipe, threads_);
+    }
+    watch_.emplace(before_);
+    first_steps_ = trainer_->state().agent_steps;
+    last_validation_ = last_checkpoint_ = first_steps_;
+  }
+
+  /// False: interrupted.
+  bool run() {
+    const auto total = static_cast<long>(totalAgentSteps(folder_.recipe()));
+    const Recipe& recipe = folder_.recipe();
+    while (trainer_->state().agent_steps < total) {
+      const IterationFigures figures = trainer_->iterate();
+      reward_.add(figures.reward, static_cast<double>(figures.episodes));
+      success_.add(figures.success, static_cast<double>(figures.episodes));
+      report(figures, total);
+      const long steps = trainer_->state().agent_steps;
+      const bool ended = steps >= total;
+      if (ended || passed(last_validation_, steps, recipe.validation.every_agent_steps)) {
+        judge();
+      }
+      if (ended || passed(last_checkpoint_, steps, recipe.checkpoint_agent_steps)) {
+        trainer_->renewEnvironments();
+        folder_.saveCheckpoint(*trainer_, watch_->read());
+      }
+      if (stop_.requested() && !ended) {
+        trainer_->renewEnvironments();
+        folder_.saveCheckpoint(*trainer_, watch_->read());
+        return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  /// Whether a multiple of `every` lies between the last time and now.
+  static bool passed(long& last, long now, double every) {
+    const bool is_due = static_cast<long>(static_cast<double>(now) / every) >
+                        static_cast<long>(static_cast<double>(last) / every);
+    last = now;
+    return is_due;
+  }
+
+  void report(const IterationFigures& figures, long total) {
+    const Expense spent = watch_->read();
+    if (spent.wall_s - last_report_s_ < kReportEvery_s) {
+      return;
+    }
+    last_report_s_ = spent.wall_s;
+    folder_.report(*trainer_, spent, figures, reward_.value(), success_.value());
+    const long steps = trainer_->state().agent_steps;
+    const double rate =
+        static_cast<double>(steps - first_steps_) / (spent.wall_s - before_.wall_s);
+    fmt::print(stderr,
+               "{:.1f} of {:.1f} M agent-steps, {:.0f}/s, {} episodes, reward {:.3f}, success "
+               "{:.3f}, {:.0f} min left\n",
+               1e-6 * static_cast<double>(steps), 1e-6 * static_cast<double>(total), rate,
+               trainer_->state().episodes, reward_.value(), success_.value(),
+               static_cast<double>(total - steps) / rate / 60.0);
+  }
+
+  void judge() {
+    const auto figures =
+        validate(folder_.recipe().validation,
+                 folder_.networkFile(*trainer_, watch_->read(), "being judged"), threads_,
+                 [this] { return !stop_.requested(); });
+    if (!figures) {
+      return;
+    }
+    const bool best = folder_.keep(*trainer_, watch_->read(), *figures);
+    fmt::print(stderr, "validation: success {:.4f}, extra time {:.3f} s, cost {:.3f} s{}\n",
+               figures->success_share, figures->extra_time_s, figures->cost_s,
+               best ? ", the best so far" : "");
+  }
+
+  app::StopSignal stop_;
+  RunFolder folder_;
+  int threads_;
+  std::optional<Trainer> trainer_;
+  Expense before_;
+  std::optional<Stopwatch> watch_;
+  RollingMean reward_;
+  RollingMean success_;
+  long first_steps_ = 0;
+  long last_validation_ = 0;
+  long last_checkpoint_ = 0;
+  double last_report_s_ = -kReportEvery_s;
+};
+
+RunFolder folderOf(const Options& options) {
+  if (options.folder.empty()) {
+    throw core::StartupError("train", "--out", "a folder for the run", "none");
+  }
+  if (options.resume) {
+    return RunFolder::open(options.folder);
+  }
+  if (options.recipe.empty()) {
+    throw core::StartupError("train", "RECIPE", "a file", "none");
+  }
+  Recipe recipe = readRecipe(options.recipe, options.overrides);
+  recipe.seed = options.seed.value_or(recipe.seed);
+  return RunFolder::create(options.folder, recipe);
+}
+
+int train(const Options& options) {
+  Session session(folderOf(options), options);
+  if (!session.run()) {
+    fmt::print(stderr, "stopped; go on with: roundabout train --resume --out {}\n", options.folder);
+    return kInterrupted;
+  }
+  fmt::print("{}\n", options.folder);
+  return 0;
+}
+
+}  // namespace
+
+void addTrainCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand("train", "Train a policy by a recipe");
+  auto options = std::make_shared<Options>();
+  command->add_option("recipe", options->recipe, "experiments/training/*.yaml");
+  command->add_option("--out", options->folder, "Folder of the run");
+  command->add_option("--set", options->overrides, "key=value instead of the recipe's; repeatable")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_option("--seed", options->seed, "Instead of the recipe's");
+  command->add_option("--threads", options->threads, "Default: one a core; changes no result")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--resume", options->resume, "Go on where the run in --out was stopped");
+  command->callback([options, &exit_status] { exit_status = train(*options); });
+}
+
+}  // namespace roundabout::learning

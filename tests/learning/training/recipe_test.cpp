@@ -1,0 +1,57 @@
+#include "learning/training/recipe.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/learning/training/small_recipe.h"
+#include "tests/support/startup_error.h"
+
+namespace roundabout::learning {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string errorOf(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
+  return test::startupErrorOf([&] { parseRecipe(yaml, "recipe.yaml", overrides); });
+}
+
+TEST(Recipe, IsReadBackAsItWasWritten) {
+  const std::string text = writeRecipe(test::smallRecipe());
+  EXPECT_EQ(writeRecipe(parseRecipe(text, "recipe.yaml", {})), text);
+}
+
+TEST(Recipe, RefusesWhatItDoesNotKnow) {
+  EXPECT_THAT(errorOf("ppo: {epoch: 3}\nstages: [{name: a}]"), HasSubstr("epochs"));
+  EXPECT_THAT(errorOf("network: transformer\nstages: [{name: a}]"), HasSubstr("network"));
+  EXPECT_THAT(errorOf("seed: 1"), HasSubstr("stages"));
+  EXPECT_THAT(errorOf("stages: [{min_agents: 4, max_agents: 2}]"),
+              HasSubstr("stages[0].max_agents"));
+  EXPECT_EQ(errorOf("stages: [{name: a}]", {"seed=4"}), "");
+}
+
+TEST(Recipe, SaysWhichStageItIsTheTimeFor) {
+  Recipe recipe = test::smallRecipe();
+  recipe.stages.push_back(recipe.stages[0]);
+  recipe.stages[1].name = "second";
+  EXPECT_EQ(totalAgentSteps(recipe), 2000.0);
+  EXPECT_EQ(stageAt(recipe, 999.0).stage->name, "small");
+  EXPECT_EQ(stageAt(recipe, 1500.0).stage->name, "second");
+  EXPECT_DOUBLE_EQ(stageAt(recipe, 1500.0).done, 0.5);
+  EXPECT_DOUBLE_EQ(stageAt(recipe, 9999.0).done, 1.0);
+  EXPECT_DOUBLE_EQ(recipe.stages[0].at({2.0, 4.0}, 0.5), 3.0);
+}
+
+TEST(Recipe, EveryOneThatShipsIsRead) {
+  int count = 0;
+  const std::string folder = std::string(ROUNDABOUT_SOURCE_DIR) + "/experiments/training";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    EXPECT_NO_THROW(readRecipe(entry.path(), {})) << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 0);
+}
+
+}  // namespace
+}  // namespace roundabout::learning
