@@ -132,7 +132,7 @@ void LabRollOut::run(const Stage& stage, double collision_reward,
     }
   }
   Trace trace;
-  runEpisode(rules, test_case, crew, &trace);
+  runEpisode(rules, test_case, {.policies = crew}, &trace);
   const Leg& leg = trace.front();
 
   EpisodeFigures figures{0.0, true};

@@ -1,11 +1,17 @@
 #include "learning/training/run_folder.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "common/core/error.h"
 #include "learning/training/weight_files.h"
@@ -54,8 +60,28 @@ std::string compiler() { return fmt::format("GCC {}", __VERSION__); }
 
 }  // namespace
 
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    const int error = errno;
+    if (descriptor_ >= 0) {
+      ::close(descriptor_);
+    }
+    throw StartupError(
+        folder.string(), "run", "a folder that nobody else trains in",
+        error == EWOULDBLOCK ? "another process that does" : std::strerror(error));
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) {
+    ::close(descriptor_);
+  }
+}
+
 RunFolder::RunFolder(std::filesystem::path path, Recipe recipe)
     : path_(std::move(path)),
+      lock_(path_),
       recipe_(std::move(recipe)),
       best_cost_s_(std::numeric_limits<double>::infinity()),
       progress_(openTable(path_ / "progress.csv", kProgressColumns)),

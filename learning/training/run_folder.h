@@ -4,6 +4,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "learning/training/recipe.h"
 #include "learning/training/trainer.h"
@@ -17,6 +18,19 @@ struct Expense {
   double cpu_s = 0.0;
 };
 
+/// Keeps other processes from writing to the same run.
+class FolderLock {
+ public:
+  /// Throws core::StartupError if another process has it.
+  explicit FolderLock(const std::filesystem::path& folder);
+  FolderLock(FolderLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  FolderLock& operator=(FolderLock&&) = delete;
+  ~FolderLock();
+
+ private:
+  int descriptor_;
+};
+
 /// The folder of one run of a recipe:
 ///   recipe.yaml             what is trained, complete
 ///   progress.csv            one row for each report
@@ -27,9 +41,10 @@ struct Expense {
 /// All files are whole at any time.
 class RunFolder {
  public:
-  /// A new folder. Throws core::StartupError if it is there already, or cannot be made.
+  /// A new folder. Throws core::StartupError if it is there already, or cannot be made. Nobody else
+  /// can open it as long as this object lives.
   static RunFolder create(const std::string& path, const Recipe& recipe);
-  /// Throws core::StartupError if there is no checkpoint.
+  /// Throws core::StartupError if there is no checkpoint, or somebody else has opened it.
   static RunFolder open(const std::string& path);
 
   const Recipe& recipe() const { return recipe_; }
@@ -56,6 +71,7 @@ class RunFolder {
   RunFolder(std::filesystem::path path, Recipe recipe);
 
   std::filesystem::path path_;
+  FolderLock lock_;
   Recipe recipe_;
   double best_cost_s_;
   std::ofstream progress_;

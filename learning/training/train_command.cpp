@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "common/app/stop_signal.h"
 #include "common/core/error.h"
 #include "learning/training/run_folder.h"
+#include "learning/training/training_figure.h"
 
 namespace roundabout::learning {
 
@@ -25,6 +27,7 @@ struct Options {
   std::string recipe;
   std::string folder;
   std::vector<std::string> overrides;
+  std::vector<std::string> plotted;
   std::optional<std::uint64_t> seed;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   bool resume = false;
@@ -182,6 +185,10 @@ RunFolder folderOf(const Options& options) {
 }
 
 int train(const Options& options) {
+  if (!options.plotted.empty()) {
+    fmt::print("{}\n", drawTraining(options.plotted, options.folder.empty() ? "." : options.folder));
+    return 0;
+  }
   Session session(folderOf(options), options);
   if (!session.run()) {
     fmt::print(stderr, "stopped; go on with: roundabout train --resume --out {}\n", options.folder);
@@ -196,14 +203,16 @@ int train(const Options& options) {
 void addTrainCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("train", "Train a policy by a recipe");
   auto options = std::make_shared<Options>();
-  command->add_option("recipe", options->recipe, "experiments/training/*.yaml");
-  command->add_option("--out", options->folder, "Folder of the run");
+  command->add_option("recipe", options->recipe, "A file; experiments/training/ holds some");
+  command->add_option("--out", options->folder, "Folder of the run, or of the picture");
   command->add_option("--set", options->overrides, "key=value instead of the recipe's; repeatable")
       ->allow_extra_args(false)
       ->take_all();
   command->add_option("--seed", options->seed, "Instead of the recipe's");
   command->add_option("--threads", options->threads, "Default: one a core; changes no result")
       ->check(CLI::Range(1, 1024));
+  command->add_option("--plot", options->plotted,
+                      "Draw how the rolling reward of these runs grew, mean and deviation");
   command->add_flag("--resume", options->resume, "Go on where the run in --out was stopped");
   command->callback([options, &exit_status] { exit_status = train(*options); });
 }

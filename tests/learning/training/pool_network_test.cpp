@@ -75,8 +75,8 @@ TEST(PoolNetwork, ForeseesWhatThePlannerFlies) {
   }
 }
 
-// Along random directions, by differences. The network is linear between kinks, so small steps
-// agree but for rounding.
+// Along random directions, by differences: small enough that few units cross a kink, large enough
+// for single precision.
 TEST(PoolNetwork, GradientIsTheSlope) {
   const Parameters parameters = someParameters();
   const Batch batch = batchOf(someObservations(24));
@@ -104,12 +104,12 @@ TEST(PoolNetwork, GradientIsTheSlope) {
         direction[i] = static_cast<float>(random.normal(1.0));
       }
       direction /= direction.norm();
-      constexpr float kStep = 2e-3F;
+      constexpr float kStep = 4e-4F;
       const double slope =
           (sum(parameters + kStep * direction) - sum(parameters - kStep * direction)) /
           (2.0 * static_cast<double>(kStep));
       const double expected = gradient.dot(direction);
-      EXPECT_NEAR(slope, expected, 0.02 * std::abs(expected) + 0.02) << name;
+      EXPECT_NEAR(slope, expected, 0.02 * std::abs(expected) + 0.03) << name;
     }
   }
 }

@@ -1,10 +1,16 @@
 #include "learning/training/trainer.h"
 
+#include <cmath>
+#include <optional>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "learning/training/run_folder.h"
+#include "learning/training/training_figure.h"
 #include "tests/learning/training/small_recipe.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/startup_error.h"
 
 namespace roundabout::learning {
 namespace {
@@ -35,13 +41,14 @@ TEST(Trainer, DependsOnItsSeed) {
 
 TEST(Trainer, ContinuesExactlyFromACheckpoint) {
   const test::ScratchFolder scratch;
-  RunFolder folder = RunFolder::create(scratch / "run", test::smallRecipe());
+  std::optional<RunFolder> folder(RunFolder::create(scratch / "run", test::smallRecipe()));
   Trainer whole(test::smallRecipe(), 1);
   iterate(whole, 4);
   whole.renewEnvironments();
-  folder.saveCheckpoint(whole, {10.0, 5.0});
+  folder->saveCheckpoint(whole, {10.0, 5.0});
   iterate(whole, 4);
 
+  folder.reset();
   RunFolder again = RunFolder::open(scratch / "run");
   RunFolder::Checkpoint checkpoint = again.loadCheckpoint(whole.layout());
   EXPECT_EQ(checkpoint.expense.cpu_s, 5.0);
@@ -50,6 +57,24 @@ TEST(Trainer, ContinuesExactlyFromACheckpoint) {
   EXPECT_EQ(whole.state().parameters, resumed.state().parameters);
   EXPECT_EQ(whole.state().averaged, resumed.state().averaged);
   EXPECT_EQ(whole.state().agent_steps, resumed.state().agent_steps);
+}
+
+TEST(RunFolder, IsForOneAtATime) {
+  const test::ScratchFolder scratch;
+  const std::string path = scratch / "run";
+  RunFolder folder = RunFolder::create(path, test::smallRecipe());
+  folder.saveCheckpoint(Trainer(test::smallRecipe(), 1), {});
+  EXPECT_THAT(test::startupErrorOf([&] { RunFolder::open(path); }),
+              testing::HasSubstr("a folder that nobody else trains in"));
+}
+
+TEST(TrainingFigure, BandIsMeanAndDeviationOfRunsAtTheSameEpisodes) {
+  const LearningBand band = bandOf({{{100.0, 300.0}, {0.0, 1.0}}, {{0.0, 200.0}, {0.5, 0.5}}});
+  EXPECT_DOUBLE_EQ(band.episodes.back(), 200.0);
+  EXPECT_NEAR(band.mean.back(), 0.5, 1e-12);
+  EXPECT_NEAR(band.deviation.back(), 0.0, 1e-12);
+  EXPECT_NEAR(band.mean.front(), 0.25, 1e-12);
+  EXPECT_NEAR(band.deviation.front(), 0.5 / std::sqrt(2.0), 1e-12);
 }
 
 TEST(Trainer, LearnsToGoToItsGoal) {

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace roundabout::learning {
+
+/// How the rolling reward of one run grew.
+struct LearningCurve {
+  std::vector<double> episodes;  ///< ascending
+  std::vector<double> reward;
+};
+
+/// Of several runs: mean and standard deviation at the same numbers of episodes, as far as the
+/// shortest of them goes. Between two reports a run's reward is interpolated.
+struct LearningBand {
+  std::vector<double> episodes;
+  std::vector<double> mean;
+  std::vector<double> deviation;
+};
+
+/// From a run's folder. Throws core::StartupError if it has no progress to read.
+LearningCurve readLearningCurve(const std::string& run);
+
+LearningBand bandOf(const std::vector<LearningCurve>& curves);
+
+/// The paper's training figure: mean and standard deviation over runs. Writes folder/training.png
+/// and .svg; returns the first.
+std::string drawTraining(const std::vector<std::string>& runs, const std::string& folder);
+
+}  // namespace roundabout::learning
