@@ -293,7 +293,9 @@ int evaluate(Options options) {
 void addEvaluateCommand(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("evaluate", "Run policies on the same test cases");
   auto options = std::make_shared<Options>();
-  command->add_option("--policy", options->policies, "NAME or NAME:WEIGHTS; repeatable. Default: ga3c_cadrl")
+  command
+      ->add_option("--policy", options->policies,
+                   "NAME or NAME:WEIGHTS; repeatable. Default: ga3c_cadrl")
       ->allow_extra_args(false)
       ->take_all();
   command->add_option("--suite", options->suite, "Cases by name (--list)");

@@ -88,9 +88,8 @@ class IdealEpisode {
     ego.id = static_cast<int>(i);
     collectNeighbours(i);
     const Vector2d wanted = velocityOf(actions_[i], agent.heading_world_rad);
-    const planner::shield::ShieldDecision decision =
-        shields_[i].decide(ego, neighbours_, {.obstacles = obstacles_}, wanted,
-                           world_.record()[i].time_s);
+    const planner::shield::ShieldDecision decision = shields_[i].decide(
+        ego, neighbours_, {.obstacles = obstacles_}, wanted, world_.record()[i].time_s);
     world_.record().noteLayer(decision.layer);
     const Vector2d& flown = decision.velocity_world_mps;
     if (flown == wanted) {

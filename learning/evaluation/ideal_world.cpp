@@ -62,8 +62,8 @@ std::span<const core::OtherAgent> IdealWorld::othersOf(std::size_t i) {
   for (std::size_t j = 0; j < agents_.size(); ++j) {
     if (j != i) {
       const core::EgoAgent& other = agents_[j];
-      others_.push_back({other.position_world_m, other.velocity_world_mps, other.radius_m,
-                         static_cast<int>(j)});
+      others_.push_back(
+          {other.position_world_m, other.velocity_world_mps, other.radius_m, static_cast<int>(j)});
     }
   }
   return others_;
@@ -77,8 +77,8 @@ void IdealWorld::move(std::size_t i, const IdealAction& action) {
     return;
   }
   const Vector2d velocity = velocityOf(action, ego.heading_world_rad);
-  ego.heading_world_rad = wrappedOnce(static_cast<double>(action.heading_change_rad) +
-                                      ego.heading_world_rad);
+  ego.heading_world_rad =
+      wrappedOnce(static_cast<double>(action.heading_change_rad) + ego.heading_world_rad);
   ego.position_world_m += velocity * rules_.planning_step_s;
   ego.velocity_world_mps = velocity;
   agent.time_s += rules_.planning_step_s;

@@ -194,7 +194,8 @@ class LabEpisode {
       agent.at_goal =
           !agent.collided && (positionOf(i) - goals_m_[i]).norm() <= rules_.goal_distance_m;
       agent.timed_out =
-          !agent.at_goal && !agent.collided && time_s >= rules_.time_ratio * agent.straight_time_s + rules_.time_allowance_s;
+          !agent.at_goal && !agent.collided &&
+          time_s >= rules_.time_ratio * agent.straight_time_s + rules_.time_allowance_s;
     }
   }
 

@@ -13,10 +13,10 @@ namespace roundabout::learning {
 struct Rules {
   std::string name;
   double planning_step_s = 0.1;
-  double goal_distance_m = 0.2;  ///< between centre and goal: arrived
-  double time_ratio = 8.0;       ///< of the straight-line time: who needs longer is stuck
+  double goal_distance_m = 0.2;   ///< between centre and goal: arrived
+  double time_ratio = 8.0;        ///< of the straight-line time: who needs longer is stuck
   double time_allowance_s = 0.0;  ///< this much is added to that
-  double body_share = 1.0;       ///< of an agent's radius: what collides
+  double body_share = 1.0;        ///< of an agent's radius: what collides
   bool lab = false;   ///< multirotors, motion capture and planners instead of ideal agents
   config::Orca orca;  ///< ORCA's settings under these rules
   config::Sim sim;    ///< of the lab

@@ -27,8 +27,7 @@ void reserve(Matrix& matrix, Eigen::Index rows) {
 
 void Batch::clear() { first_.assign(1, 0); }
 
-void Batch::add(const planner::EgoFeatures& ego,
-                std::span<const planner::OtherFeatures> others) {
+void Batch::add(const planner::EgoFeatures& ego, std::span<const planner::OtherFeatures> others) {
   constexpr const planner::Normalisation& kNormalisation = planner::kPublishedNormalisation;
   reserve(egos_, size() + 1);
   float* const own = &egos_(size(), 0);

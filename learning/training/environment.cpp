@@ -72,8 +72,7 @@ void Environment::observe(Samples& samples) {
       continue;
     }
     Learner& learner = learners_[i];
-    const std::size_t sample =
-        samples.add(encoder_.encode(world_->agent(i), world_->othersOf(i)));
+    const std::size_t sample = samples.add(encoder_.encode(world_->agent(i), world_->othersOf(i)));
     learner.sample = static_cast<std::int32_t>(sample);
     learner.potential = potentialOf(i);
     if (learner.previous != kNone) {
@@ -98,9 +97,8 @@ void Environment::choose(Samples& samples, const Matrix& heads, std::size_t firs
     samples.log_probability[sample] = log_probabilities[action];
     samples.value[sample] = row[kActionCount];
     const planner::DiscreteAction& chosen = planner::kActions[static_cast<std::size_t>(action)];
-    actions_[i] = {
-        static_cast<float>(chosen.speed_fraction * world_->agent(i).preferred_speed_mps),
-        static_cast<float>(chosen.heading_change_rad)};
+    actions_[i] = {static_cast<float>(chosen.speed_fraction * world_->agent(i).preferred_speed_mps),
+                   static_cast<float>(chosen.heading_change_rad)};
   }
 }
 
@@ -144,8 +142,8 @@ double Environment::gapOf(std::size_t i) const {
 void Environment::reward(Samples& samples, std::size_t i) {
   Learner& learner = learners_[i];
   const EpisodeRecord::Agent& agent = world_->record()[i];
-  const double reward = rewardOf({agent.at_goal, agent.collided, gapOf(i)},
-                                 rules_.planning_step_s, collision_reward_);
+  const double reward = rewardOf({agent.at_goal, agent.collided, gapOf(i)}, rules_.planning_step_s,
+                                 collision_reward_);
   learner.reward += reward;
   learner.success = reward >= 1.0;
   const auto sample = static_cast<std::size_t>(learner.previous);

@@ -142,14 +142,13 @@ void LabRollOut::run(const Stage& stage, double collision_reward,
       continue;
     }
     ++learners;
-    const auto done_at = static_cast<std::size_t>(
-        std::find_if(leg.begin() + 1, leg.end(),
-                     [i](const auto& points) { return points[i].done; }) -
-        leg.begin());
+    const auto done_at =
+        static_cast<std::size_t>(std::find_if(leg.begin() + 1, leg.end(),
+                                              [i](const auto& points) { return points[i].done; }) -
+                                 leg.begin());
     const TracePoint& end = leg[std::min(done_at, leg.size() - 1)][i];
-    const bool at_goal =
-        !end.collided &&
-        (end.position_m - test_case.agents[i].goal_m).norm() <= rules.goal_distance_m;
+    const bool at_goal = !end.collided && (end.position_m - test_case.agents[i].goal_m).norm() <=
+                                              rules.goal_distance_m;
     figures.success = figures.success && at_goal;
 
     // Near the goal a vehicle flies by itself: its last decision answers for what comes of it.
@@ -169,8 +168,7 @@ void LabRollOut::run(const Stage& stage, double collision_reward,
       }
       figures.reward += reward;
       const double after = last ? 0.0 : diaries[i]->potentials[s + 1];
-      own.reward[s] =
-          static_cast<float>(reward + discount * after - diaries[i]->potentials[s]);
+      own.reward[s] = static_cast<float>(reward + discount * after - diaries[i]->potentials[s]);
       own.next[s] = last ? Samples::kTerminal : static_cast<std::int32_t>(s + 1);
     }
     own.truncate(count);

@@ -58,10 +58,9 @@ Parameters ParameterLayout::read(const planner::nn::TensorFile& file, const std:
     const std::string name = prefix + std::string(tensor.name);
     const auto found = file.tensors.find(name);
     if (found == file.tensors.end() || found->second.shape != tensor.shape()) {
-      throw core::StartupError(path, "tensor " + name, planner::nn::shapeText(tensor.shape()),
-                               found == file.tensors.end()
-                                   ? "nothing"
-                                   : planner::nn::shapeText(found->second.shape));
+      throw core::StartupError(
+          path, "tensor " + name, planner::nn::shapeText(tensor.shape()),
+          found == file.tensors.end() ? "nothing" : planner::nn::shapeText(found->second.shape));
     }
     std::copy(found->second.values.begin(), found->second.values.end(),
               parameters.data() + begins_.find(tensor.name)->second);

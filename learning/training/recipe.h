@@ -18,16 +18,16 @@ using FromTo = Eigen::Vector2d;
 struct Stage {
   std::string name;
   std::string world = "ideal";  ///< or "lab", which is the evaluation's under the rules of the lab
-  double agent_steps = 1e6;  ///< how long
-  int min_agents = 2;        ///< in a case; uniform
+  double agent_steps = 1e6;     ///< how long
+  int min_agents = 2;           ///< in a case; uniform
   int max_agents = 4;
   double planning_step_s = 0.2;
   FromTo learning_rate{6e-4, 6e-4};
   FromTo entropy_weight{0.006, 0.006};
   FromTo collision_reward{-0.25, -0.25};
-  double trap_share = 0.0;   ///< of cases: a few agents among others that have parked
-  double sharp_share = 0.0;  ///< of learners: act on sharpened scores
-  double sharpness = 2.0;    ///< what those multiply their scores by
+  double trap_share = 0.0;     ///< of cases: a few agents among others that have parked
+  double sharp_share = 0.0;    ///< of learners: act on sharpened scores
+  double sharpness = 2.0;      ///< what those multiply their scores by
   double lab_variation = 0.3;  ///< how much delays, gains and noise of the lab differ, as a share
 
   double at(const FromTo& quantity, double done) const {
@@ -46,7 +46,7 @@ struct Crowd {
 /// Proximal policy optimisation (Schulman et al. 2017).
 struct Ppo {
   int environments = 360;
-  int steps = 24;  ///< of every environment between two updates of the policy
+  int steps = 24;         ///< of every environment between two updates of the policy
   int lab_episodes = 48;  ///< between two updates, in the lab
   int epochs = 2;
   int minibatch = 2048;

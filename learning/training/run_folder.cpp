@@ -6,10 +6,9 @@
 #include <limits>
 #include <utility>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
-
-#include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -47,8 +46,8 @@ std::ofstream openTable(const std::filesystem::path& path, const char* columns) 
 template <class Number>
 Number numberIn(const TensorFile& file, const std::string& key, const std::string& path) {
   const auto entry = file.metadata.find(key);
-  const nlohmann::json value =
-      entry == file.metadata.end() ? nlohmann::json()
+  const nlohmann::json value = entry == file.metadata.end()
+                                   ? nlohmann::json()
                                    : nlohmann::json::parse(entry->second, nullptr, false);
   if (!value.is_number()) {
     throw StartupError(path, "metadata " + key, "a number", "something else");
@@ -67,9 +66,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
     if (descriptor_ >= 0) {
       ::close(descriptor_);
     }
-    throw StartupError(
-        folder.string(), "run", "a folder that nobody else trains in",
-        error == EWOULDBLOCK ? "another process that does" : std::strerror(error));
+    throw StartupError(folder.string(), "run", "a folder that nobody else trains in",
+                       error == EWOULDBLOCK ? "another process that does" : std::strerror(error));
   }
 }
 
@@ -157,14 +155,14 @@ void RunFolder::report(const Trainer& trainer, const Expense& expense,
                        double rolling_success) {
   const TrainingState& state = trainer.state();
   const auto agent_steps = static_cast<double>(state.agent_steps);
-  progress_ << fmt::format(
-                   "{:.1f},{:.1f},{},{},{},{},{:.4f},{:.4f},{:.5f},{:.4f},{:.4f},{:.6f},{:.3e},{}\n",
-                   expense.wall_s, expense.cpu_s, state.iterations, state.agent_steps,
-                   state.episodes, stageAt(recipe_, agent_steps).stage->name, rolling_reward,
-                   rolling_success, figures.loss.divergence, figures.loss.clipped,
-                   figures.loss.entropy, figures.loss.value_error, figures.learning_rate,
-                   figures.cut_short ? 1 : 0)
-            << std::flush;
+  progress_
+      << fmt::format(
+             "{:.1f},{:.1f},{},{},{},{},{:.4f},{:.4f},{:.5f},{:.4f},{:.4f},{:.6f},{:.3e},{}\n",
+             expense.wall_s, expense.cpu_s, state.iterations, state.agent_steps, state.episodes,
+             stageAt(recipe_, agent_steps).stage->name, rolling_reward, rolling_success,
+             figures.loss.divergence, figures.loss.clipped, figures.loss.entropy,
+             figures.loss.value_error, figures.learning_rate, figures.cut_short ? 1 : 0)
+      << std::flush;
 }
 
 bool RunFolder::keep(const Trainer& trainer, const Expense& expense,

@@ -11,8 +11,8 @@ namespace roundabout::learning {
 /// What learners saw and did, one sample for each decision.
 struct Samples {
   /// In place of the next sample of the same learner.
-  static constexpr std::int32_t kTerminal = -1;   ///< its episode ended
-  static constexpr std::int32_t kCutOff = -2;     ///< it goes on beyond these samples
+  static constexpr std::int32_t kTerminal = -1;  ///< its episode ended
+  static constexpr std::int32_t kCutOff = -2;    ///< it goes on beyond these samples
 
   // What was seen. Those of sample s are others[first_other[s]] to others[first_other[s + 1]].
   std::vector<planner::EgoFeatures> ego;

@@ -13,8 +13,8 @@ inline constexpr int kHeads = kActionCount + 1;
 using Scores = Eigen::Array<float, 1, kActionCount>;
 
 /// log softmax(sharpness * scores)
-inline Scores logProbabilities(const Eigen::Ref<const Eigen::Matrix<float, 1, kActionCount>>& scores,
-                               float sharpness) {
+inline Scores logProbabilities(
+    const Eigen::Ref<const Eigen::Matrix<float, 1, kActionCount>>& scores, float sharpness) {
   Scores sharpened = sharpness * scores.array();
   sharpened -= sharpened.maxCoeff();
   sharpened -= std::log(sharpened.exp().sum());

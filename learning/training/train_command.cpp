@@ -57,7 +57,8 @@ class Stopwatch {
 class RollingMean {
  public:
   void add(double mean, double count) {
-    const double weight = std::max(count / (seen_ + count), 1.0 - std::exp(-count / kRollingEpisodes));
+    const double weight =
+        std::max(count / (seen_ + count), 1.0 - std::exp(-count / kRollingEpisodes));
     seen_ += count;
     mean_ += weight * (mean - mean_);
   }
@@ -131,8 +132,7 @@ class Session {
     last_report_s_ = spent.wall_s;
     folder_.report(*trainer_, spent, figures, reward_.value(), success_.value());
     const long steps = trainer_->state().agent_steps;
-    const double rate =
-        static_cast<double>(steps - first_steps_) / (spent.wall_s - before_.wall_s);
+    const double rate = static_cast<double>(steps - first_steps_) / (spent.wall_s - before_.wall_s);
     fmt::print(stderr,
                "{:.1f} of {:.1f} M agent-steps, {:.0f}/s, {} episodes, reward {:.3f}, success "
                "{:.3f}, {:.0f} min left\n",
@@ -142,10 +142,9 @@ class Session {
   }
 
   void judge() {
-    const auto figures =
-        validate(folder_.recipe().validation,
-                 folder_.networkFile(*trainer_, watch_->read(), "being judged"), threads_,
-                 [this] { return !stop_.requested(); });
+    const auto figures = validate(folder_.recipe().validation,
+                                  folder_.networkFile(*trainer_, watch_->read(), "being judged"),
+                                  threads_, [this] { return !stop_.requested(); });
     if (!figures) {
       return;
     }
@@ -186,7 +185,8 @@ RunFolder folderOf(const Options& options) {
 
 int train(const Options& options) {
   if (!options.plotted.empty()) {
-    fmt::print("{}\n", drawTraining(options.plotted, options.folder.empty() ? "." : options.folder));
+    fmt::print("{}\n",
+               drawTraining(options.plotted, options.folder.empty() ? "." : options.folder));
     return 0;
   }
   Session session(folderOf(options), options);

@@ -54,15 +54,15 @@ void Trainer::renewEnvironments() {
     shard.environments.clear();
   }
   for (int i = 0; i < recipe_.ppo.environments; ++i) {
-    core::RandomStream random(
-        recipe_.seed, fmt::format("training/environment/{}/{}", i, state_.iterations));
+    core::RandomStream random(recipe_.seed,
+                              fmt::format("training/environment/{}/{}", i, state_.iterations));
     shards_[static_cast<std::size_t>(i % recipe_.shards)].environments.emplace_back(
         recipe_, std::move(random));
   }
   for (int i = 0; i < recipe_.shards; ++i) {
     shards_[static_cast<std::size_t>(i)].lab.emplace(
-        recipe_, core::RandomStream(recipe_.seed, fmt::format("training/lab/{}/{}", i,
-                                                              state_.iterations)));
+        recipe_,
+        core::RandomStream(recipe_.seed, fmt::format("training/lab/{}/{}", i, state_.iterations)));
   }
 }
 
@@ -193,8 +193,7 @@ void Trainer::learn(IterationFigures& figures) {
     for (std::size_t part = 0; part < parts && !figures.cut_short; ++part) {
       const std::size_t begin = order_.size() * part / parts;
       const std::size_t end = order_.size() * (part + 1) / parts;
-      figures.cut_short =
-          !update(std::span(order_).subspan(begin, end - begin), figures.loss);
+      figures.cut_short = !update(std::span(order_).subspan(begin, end - begin), figures.loss);
       used += end - begin;
     }
   }

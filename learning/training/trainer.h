@@ -17,8 +17,7 @@ namespace roundabout::learning {
 
 /// How a recipe has gone so far: all that has to be kept to continue.
 struct TrainingState {
-  explicit TrainingState(Eigen::Index size)
-      : parameters(size), averaged(size), adam(size) {}
+  explicit TrainingState(Eigen::Index size) : parameters(size), averaged(size), adam(size) {}
 
   Parameters parameters;
   Parameters averaged;  ///< running mean: the network to be judged and flown

@@ -67,8 +67,8 @@ bool standsOnAGoal(const TestCase& test_case, std::size_t standing) {
   const AgentSpec& agent = test_case.agents[standing];
   for (std::size_t i = 0; i < test_case.agents.size(); ++i) {
     const AgentSpec& other = test_case.agents[i];
-    if (i != standing && (other.goal_m - agent.start_m).norm() <
-                             other.radius_m + agent.radius_m + kGoalGap_m) {
+    if (i != standing &&
+        (other.goal_m - agent.start_m).norm() < other.radius_m + agent.radius_m + kGoalGap_m) {
       return true;
     }
   }
@@ -98,8 +98,7 @@ void turnSome(TestCase& test_case, double share, core::RandomStream& random) {
 
 TrainingCase drawTrainingCase(const Stage& stage, const Crowd& crowd, core::RandomStream& random) {
   TrainingCase drawn;
-  const Role learner =
-      random.chance(stage.sharp_share) ? Role::kSharpLearner : Role::kLearner;
+  const Role learner = random.chance(stage.sharp_share) ? Role::kSharpLearner : Role::kLearner;
   if (random.chance(stage.trap_share)) {
     for (int draw = 0; draw < kTrapDraws; ++draw) {
       drawn.test_case = drawCase(stage, crowd, random);

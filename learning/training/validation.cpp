@@ -40,8 +40,7 @@ std::optional<ValidationFigures> validate(const Validation& validation,
     const auto share = 1.0 / static_cast<double>(figures.scores.size());
     figures.success_share += share * score.success_share;
     figures.extra_time_s += share * extra_time_s;
-    figures.cost_s +=
-        share * (extra_time_s + kFailureCost_s * (1.0 - score.success_share));
+    figures.cost_s += share * (extra_time_s + kFailureCost_s * (1.0 - score.success_share));
   }
   return figures;
 }

@@ -14,14 +14,13 @@ planner::nn::TensorFile weightFile(const ParameterLayout& layout, const Paramete
                                    const std::string& provenance) {
   planner::nn::TensorFile file;
   layout.write(parameters, "", file);
-  file.metadata =
-      planner::ga3cCadrlMetadata({.architecture = planner::kPooledArchitecture,
-                                  .normalisation = planner::kPublishedNormalisation,
-                                  .max_others = kMaxOthers,
-                                  .others_order = planner::OthersOrder::kClosestLast,
-                                  .value_baseline = planner::ValueBaseline::kLoneAgent,
-                                  .stall = planner::StallSettings{},
-                                  .provenance = provenance});
+  file.metadata = planner::ga3cCadrlMetadata({.architecture = planner::kPooledArchitecture,
+                                              .normalisation = planner::kPublishedNormalisation,
+                                              .max_others = kMaxOthers,
+                                              .others_order = planner::OthersOrder::kClosestLast,
+                                              .value_baseline = planner::ValueBaseline::kLoneAgent,
+                                              .stall = planner::StallSettings{},
+                                              .provenance = provenance});
   return file;
 }
 

@@ -28,7 +28,8 @@ struct PolicyEntry {
 /// Every policy there is; a new one is a sub-folder and a line in table.cpp.
 std::span<const PolicyEntry> policyTable();
 
-/// The path of the weights that a specification NAME or NAME:WEIGHTS means; empty if there are none.
+/// The path of the weights that a specification NAME or NAME:WEIGHTS means; empty if there are
+/// none.
 std::string weightsOf(const std::string& specification);
 
 /// Makes the policy of a specification NAME or NAME:WEIGHTS.

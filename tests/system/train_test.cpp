@@ -49,10 +49,11 @@ TEST_F(Train, LeavesNetworksThatFlyAndFigures) {
                            "best.safetensors", "checkpoint.safetensors"}) {
     EXPECT_GT(std::filesystem::file_size(scratch_ / "run" / file), 50u) << file;
   }
-  const Ended flown = run("roundabout", {"evaluate", "--policy",
-                                         "ga3c_cadrl:" + (scratch_ / "run/best.safetensors").string(),
-                                         "--generate", "circle", "--agents", "2", "--count", "1",
-                                         "--no-figures", "--out", (scratch_ / "flown").string()});
+  const Ended flown =
+      run("roundabout",
+          {"evaluate", "--policy", "ga3c_cadrl:" + (scratch_ / "run/best.safetensors").string(),
+           "--generate", "circle", "--agents", "2", "--count", "1", "--no-figures", "--out",
+           (scratch_ / "flown").string()});
   EXPECT_TRUE(flown.status.clean()) << flown.status.describe();
 }
 
@@ -65,8 +66,8 @@ TEST_F(Train, EndsTheSameWhenItWasKilledAndResumed) {
   });
   process.signal(SIGKILL);
   finish(process);
-  const Ended resumed = run(
-      "roundabout", {"train", "--resume", "--threads", "1", "--out", (scratch_ / "killed").string()});
+  const Ended resumed = run("roundabout", {"train", "--resume", "--threads", "1", "--out",
+                                           (scratch_ / "killed").string()});
   EXPECT_TRUE(resumed.status.clean()) << resumed.status.describe();
   expectSameNetwork("whole/network.safetensors", "killed/network.safetensors");
 }
@@ -76,12 +77,12 @@ TEST_F(Train, RefusesInOneLineWhatItCannotDo) {
   std::filesystem::create_directory(scratch_ / "there");
   const std::string there = (scratch_ / "there").string();
   const std::string absent = (scratch_ / "absent").string();
-  for (const std::vector<std::string>& each : std::vector<std::vector<std::string>>{
-           {"train", recipe, "--out", absent},
-           {"train", write("tiny.yaml", kTiny), "--out", there},
-           {"train", "--resume", "--out", there},
-           {"train", "/no/such/recipe.yaml", "--out", absent},
-           {"train", write("tiny.yaml", kTiny)}}) {
+  for (const std::vector<std::string>& each :
+       std::vector<std::vector<std::string>>{{"train", recipe, "--out", absent},
+                                             {"train", write("tiny.yaml", kTiny), "--out", there},
+                                             {"train", "--resume", "--out", there},
+                                             {"train", "/no/such/recipe.yaml", "--out", absent},
+                                             {"train", write("tiny.yaml", kTiny)}}) {
     const Ended ended = run("roundabout", each);
     EXPECT_EQ(ended.status.code, 2);
     ASSERT_EQ(ended.lines.size(), 1u);

@@ -26,10 +26,9 @@ Decision Ga3cCadrl::decide(const core::EgoAgent& ego, const core::Surroundings& 
   const Ga3cCadrlNetwork::Output output = network_.evaluate(observation);
   // Inputs beyond all reason overflow; the caller must not fly what comes out.
   const bool sound = std::isfinite(output.probabilities[0]);
-  const int chosen =
-      sound && stall_breaker_
-          ? stall_breaker_->choose(ego, output.probabilities, output.best_action)
-          : output.best_action;
+  const int chosen = sound && stall_breaker_
+                         ? stall_breaker_->choose(ego, output.probabilities, output.best_action)
+                         : output.best_action;
   const DiscreteAction& action = kActions[static_cast<std::size_t>(chosen)];
   Decision decision;
   decision.speed_mps = sound ? action.speed_fraction * ego.preferred_speed_mps

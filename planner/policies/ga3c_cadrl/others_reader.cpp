@@ -2,7 +2,8 @@
 
 namespace roundabout::planner {
 
-void RecurrentReader::read(const EgoInput&, std::span<const OtherInput> others, Summary summary) const {
+void RecurrentReader::read(const EgoInput&, std::span<const OtherInput> others,
+                           Summary summary) const {
   nn::LstmState<kReaderUnits> state;
   for (const OtherInput& other : others) {
     lstm.step(other, state);

@@ -164,20 +164,21 @@ std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int 
 
 std::map<std::string, std::string> ga3cCadrlMetadata(const Ga3cCadrlDescription& description) {
   const Normalisation& normalisation = description.normalisation;
-  std::map<std::string, std::string> metadata = {{"architecture", std::string(description.architecture)},
-          {"format_version", std::string(kFormatVersion)},
-          {"ego_fields", json(kEgoFields).dump()},
-          {"ego_mean", json(normalisation.ego_mean).dump()},
-          {"ego_deviation", json(normalisation.ego_deviation).dump()},
-          {"other_fields", json(kOtherFields).dump()},
-          {"other_mean", json(normalisation.other_mean).dump()},
-          {"other_deviation", json(normalisation.other_deviation).dump()},
-          {"others_order", std::string(nameOf(description.others_order))},
-          {"max_others", std::to_string(description.max_others)},
-          {"actions", actionTable().dump()},
-          {"value_baseline",
-           std::string(kValueBaselines[static_cast<std::size_t>(description.value_baseline)].first)},
-          {"provenance", description.provenance}};
+  std::map<std::string, std::string> metadata = {
+      {"architecture", std::string(description.architecture)},
+      {"format_version", std::string(kFormatVersion)},
+      {"ego_fields", json(kEgoFields).dump()},
+      {"ego_mean", json(normalisation.ego_mean).dump()},
+      {"ego_deviation", json(normalisation.ego_deviation).dump()},
+      {"other_fields", json(kOtherFields).dump()},
+      {"other_mean", json(normalisation.other_mean).dump()},
+      {"other_deviation", json(normalisation.other_deviation).dump()},
+      {"others_order", std::string(nameOf(description.others_order))},
+      {"max_others", std::to_string(description.max_others)},
+      {"actions", actionTable().dump()},
+      {"value_baseline",
+       std::string(kValueBaselines[static_cast<std::size_t>(description.value_baseline)].first)},
+      {"provenance", description.provenance}};
   if (description.stall) {
     const StallSettings& stall = *description.stall;
     metadata["stall"] = json({stall.decisions, stall.progress_m, stall.sharpness}).dump();

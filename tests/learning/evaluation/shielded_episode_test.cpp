@@ -23,8 +23,9 @@ EpisodeResult fly(const TestCase& test_case, const std::string& policy, bool shi
 }
 
 TEST(ShieldedEpisode, ExactlySymmetricSwapsOfTwoToThirtyArrive) {
+  const Suite swaps = makeSuite("swaps");
   for (const std::string policy : {"orca", "non_cooperative"}) {
-    for (const TestCase& each : makeSuite("swaps").groups.front().cases) {
+    for (const TestCase& each : swaps.groups.front().cases) {
       const EpisodeResult result = fly(each, policy, true);
       EXPECT_EQ(result.outcome, Outcome::kAllAtGoal) << policy << " " << each.agents.size();
       EXPECT_GE(result.closest_separation_m, 0.004) << policy << " " << each.agents.size();

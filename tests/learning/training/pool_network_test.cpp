@@ -12,8 +12,7 @@ namespace roundabout::learning {
 namespace {
 
 const ParameterLayout& layout() {
-  static const ParameterLayout kLayout(
-      planner::ga3cCadrlTensors(planner::kPooledArchitecture, 19));
+  static const ParameterLayout kLayout(planner::ga3cCadrlTensors(planner::kPooledArchitecture, 19));
   return kLayout;
 }
 
@@ -57,11 +56,10 @@ TEST(PoolNetwork, ForeseesWhatThePlannerFlies) {
 
   planner::nn::TensorFile file;
   layout().write(parameters, "", file);
-  file.metadata =
-      planner::ga3cCadrlMetadata({.architecture = planner::kPooledArchitecture,
-                                  .normalisation = planner::kPublishedNormalisation,
-                                  .max_others = 19,
-                                  .provenance = "test"});
+  file.metadata = planner::ga3cCadrlMetadata({.architecture = planner::kPooledArchitecture,
+                                              .normalisation = planner::kPublishedNormalisation,
+                                              .max_others = 19,
+                                              .provenance = "test"});
   planner::Ga3cCadrlNetwork flown(planner::toGa3cCadrlWeights(file, "test"));
   for (std::size_t k = 0; k < observations.size(); ++k) {
     const auto output = flown.evaluate(observations[k]);
@@ -93,8 +91,7 @@ TEST(PoolNetwork, GradientIsTheSlope) {
   network.forward(parameters, batch);
   Parameters gradient = Parameters::Zero(layout().size());
   network.backward(parameters, batch, d_heads, gradient);
-  for (const char* name :
-       {"other1", "other2", "layer1", "layer2", "layer3", "policy", "value"}) {
+  for (const char* name : {"other1", "other2", "layer1", "layer2", "layer3", "policy", "value"}) {
     const ParameterLayout::Layer layer = layout().layer(name);
     const Eigen::Index kernel_size = layer.inputs * layer.outputs;
     for (const auto& [begin, size] :

@@ -76,9 +76,7 @@ class PolicyContract : public ::testing::TestWithParam<std::string> {
     }
   }
 
-  static std::string tableName() {
-    return isArchitecture(GetParam()) ? "ga3c_cadrl" : GetParam();
-  }
+  static std::string tableName() { return isArchitecture(GetParam()) ? "ga3c_cadrl" : GetParam(); }
 
   // With a scan for policies that need one; it has nothing to do with the scene.
   core::Surroundings around(const Scene& scene) const {

@@ -47,9 +47,7 @@ class PlainNetwork {
   // The probabilities, then the value.
   Numbers evaluate(const Observation& observation) const {
     const Normalisation norm = test::unusualNormalisation();
-    Numbers wide =
-        joined(observation.ego, norm.ego_mean, norm.ego_deviation,
-               summary(observation));
+    Numbers wide = joined(observation.ego, norm.ego_mean, norm.ego_deviation, summary(observation));
     for (const char* name : {"layer1", "layer2", "layer3"}) {
       wide = relu(layer(name, wide));
     }
