@@ -1,0 +1,95 @@
+#include "planner/pilot.h"
+
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/core/error.h"
+#include "planner/command_law.h"
+
+namespace roundabout::planner {
+
+namespace {
+
+// The world of an older scan is another one.
+constexpr double kOldestScan_s = 0.3;
+
+}  // namespace
+
+Pilot::Pilot(const config::Experiment& experiment, std::size_t own_index,
+             std::unique_ptr<Policy> policy)
+    : settings_(experiment.planner),
+      max_range_m_(experiment.vehicles[own_index].lidar
+                       ? experiment.vehicles[own_index].lidar->max_range_m
+                       : 0.0),
+      policy_(std::move(policy)) {
+  others_.reserve(experiment.vehicles.size());
+  for (const config::Obstacle& obstacle : experiment.obstacles) {
+    obstacles_.push_back(obstacle.points_m);
+  }
+  if (!obstacles_.empty() && !policy_->avoidsObstacles()) {
+    throw core::StartupError(
+        experiment.file, "obstacles",
+        fmt::format("none, since the policy {} does not avoid them", policy_->name()),
+        fmt::format("{}", obstacles_.size()));
+  }
+  if (policy_->needsScan() && !experiment.vehicles[own_index].lidar) {
+    throw core::StartupError(experiment.file, fmt::format("vehicles[{}].lidar", own_index),
+                             fmt::format("one, since the policy {} flies by it", policy_->name()),
+                             "none");
+  }
+}
+
+/// Without ranges if there is none, or none that is new enough.
+core::RangeScan Pilot::freshScan(core::Utime now) {
+  const core::LaserScan* const scan = scans_.newestBefore(now);
+  if (scan == nullptr || core::toSeconds(now - scan->utime) > kOldestScan_s) {
+    return {};
+  }
+  return {scan->first_angle_rad, scan->angle_step_rad, max_range_m_, scan->ranges_m};
+}
+
+void Pilot::holdGoal(const Situation& situation, const core::Goal& goal, const RoomGuard& room,
+                     core::Command& command) {
+  command.mode = core::CommandMode::kPosition;
+  command.position_world_m = room.clipPosition(goal.position_world_m);
+  command.heading_world_rad = std::isnan(goal.heading_world_rad)
+                                  ? core::headingOf(situation.own().state().orientation)
+                                  : goal.heading_world_rad;
+}
+
+void Pilot::fly(core::Utime now, const Situation& situation, const core::Goal& goal,
+                const RoomGuard& room, core::Command& command, Status& status) {
+  const core::EgoAgent ego = situation.egoAgent(now, goal);
+  if (holdsPosition(ego, settings_)) {
+    status.mode = Mode::kAtGoal;
+    holdGoal(situation, goal, room, command);
+    return;
+  }
+  situation.collectOthers(now, others_);
+  core::Surroundings around(others_);
+  around.obstacles = obstacles_;
+  if (needsScans()) {
+    around.scan = freshScan(now);
+  }
+  status.decision = policy_->decide(ego, around);
+  const PlanarCommand planar = commandFrom(status.decision, ego, settings_);
+  const Eigen::Vector2d velocity =
+      room.clipVelocity(ego.position_world_m, ego.velocity_world_mps, planar.velocity_world_mps);
+  if ((velocity - planar.velocity_world_mps).norm() > 1e-9) {
+    status.reason = "slowed down at the edge of the room";
+  }
+  command.mode = core::CommandMode::kVelocity;
+  command.velocity_world_mps = {velocity.x(), velocity.y(), 0.0};
+  command.position_world_m = room.clipPosition(
+      {ego.position_world_m.x(), ego.position_world_m.y(), goal.position_world_m.z()});
+  command.heading_world_rad = planar.heading_world_rad;
+  command.heading_rate_radps = planar.heading_rate_radps;
+}
+
+void Pilot::beginAnew() {
+  scans_.clear();
+  policy_->reset();
+}
+
+}  // namespace roundabout::planner

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/core/command.h"
+#include "common/core/laser_scan.h"
+#include "planner/policy.h"
+#include "planner/safety/room_guard.h"
+#include "planner/scan_buffer.h"
+#include "planner/situation.h"
+#include "planner/status.h"
+
+namespace roundabout::planner {
+
+/// Flies to a goal: asks the policy, and makes its decision a command.
+class Pilot {
+ public:
+  /// Throws core::StartupError for obstacles that the policy does not avoid, and for a vehicle
+  /// without the lidar that it flies by.
+  Pilot(const config::Experiment& experiment, std::size_t own_index,
+        std::unique_ptr<Policy> policy);
+
+  /// A sweep takes effect at the first tick after its utime.
+  void onScan(const core::LaserScan& scan) { scans_.add(scan); }
+  bool needsScans() const { return policy_->needsScan(); }
+  /// False if the policy needs a scan and there is none from the last 0.3 s.
+  bool seesEnough(core::Utime now) { return !needsScans() || !freshScan(now).ranges_m.empty(); }
+
+  /// A velocity, or position control near the goal (status.mode then becomes AT_GOAL).
+  void fly(core::Utime now, const Situation& situation, const core::Goal& goal,
+           const RoomGuard& room, core::Command& command, Status& status);
+
+  /// Position control on the goal.
+  static void holdGoal(const Situation& situation, const core::Goal& goal, const RoomGuard& room,
+                       core::Command& command);
+
+  /// Another goal: nothing is remembered of the way to the last one.
+  void noteNewGoal() { policy_->reset(); }
+  /// The states' time went back.
+  void beginAnew();
+  std::string_view policyName() const { return policy_->name(); }
+
+ private:
+  core::RangeScan freshScan(core::Utime now);
+
+  const config::Planner settings_;
+  const double max_range_m_;  // of the lidar; 0: there is none
+  std::unique_ptr<Policy> policy_;
+  std::vector<core::Polygon> obstacles_;
+  std::vector<core::OtherAgent> others_;
+  ScanBuffer scans_;
+};
+
+}  // namespace roundabout::planner

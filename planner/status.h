@@ -1,0 +1,36 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "common/core/command.h"
+#include "common/core/planner_mode.h"
+#include "planner/policy.h"
+
+namespace roundabout::planner {
+
+using Mode = core::PlannerMode;
+
+/// A mode and why; the reason is empty while all is well.
+struct Verdict {
+  Mode mode = Mode::kWaiting;
+  std::string reason;
+};
+
+/// What goes into planner_status_t, except what only the node knows (compute time).
+struct Status {
+  core::Utime utime = 0;
+  Mode mode = Mode::kWaiting;
+  std::string reason;
+  std::optional<core::Goal> goal;
+  double distance_to_goal_m = std::numeric_limits<double>::quiet_NaN();
+  Decision decision;  ///< its probabilities are valid until the next tick
+  double closest_separation_m = std::numeric_limits<double>::infinity();
+  int rejected_messages = 0;
+  int rejected_measurements = 0;
+  int missed_ticks = 0;
+  double state_age_s = 0.0;
+};
+
+}  // namespace roundabout::planner
