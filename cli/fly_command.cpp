@@ -28,6 +28,7 @@ struct FlyOptions {
   bool real_time = false;
   std::string policy;
   std::optional<std::uint64_t> seed;
+  std::string shield;  // on or off; empty: as the file says
   std::string folder;
   std::vector<std::string> overrides;
   std::string lcm_url;
@@ -42,6 +43,9 @@ std::vector<std::string> allOverrides(const FlyOptions& options) {
   if (!options.policy.empty()) {
     overrides.push_back("planner.policy=" + options.policy);
   }
+  if (!options.shield.empty()) {
+    overrides.push_back(fmt::format("shield.on={}", options.shield == "on"));
+  }
   if (options.seed) {
     overrides.push_back(fmt::format("seed={}", *options.seed));
   }
@@ -50,8 +54,9 @@ std::vector<std::string> allOverrides(const FlyOptions& options) {
 
 // As it can be typed again, seed and policy spelled out.
 std::string commandLine(const FlyOptions& options, const config::Experiment& experiment) {
-  std::string line = fmt::format("./roundabout fly {} --policy {} --seed {}", options.file,
-                                 experiment.planner.policy, experiment.seed);
+  std::string line =
+      fmt::format("./roundabout fly {} --policy {} --seed {} --shield {}", options.file,
+                  experiment.planner.policy, experiment.seed, experiment.shield.on ? "on" : "off");
   if (options.real_time) {
     line += " --real-time";
   }
@@ -76,8 +81,9 @@ FlightResult superviseFlight(FlightPlan& plan, const std::string& folder, Consol
   requireNobodyFlies(plan.experiment, plan.lcm_url);
   bus::LcmBus bus(plan.lcm_url);
   plan.folder = makeFlightFolder(plan.experiment, folder);
-  console.say(fmt::format("{}: {} vehicles, {}, {}, seed {}", plan.experiment.name,
+  console.say(fmt::format("{}: {} vehicles, {} {} shield, {}, seed {}", plan.experiment.name,
                           plan.experiment.vehicles.size(), plan.experiment.planner.policy,
+                          plan.experiment.shield.on ? "behind a" : "without a",
                           plan.experiment.sim.pacing, plan.experiment.seed));
   return Supervisor(plan, bus, stop, console).run();
 }
@@ -104,6 +110,8 @@ void addFlyCommand(CLI::App& app, int& exit_status) {
   command->add_flag("--real-time", options->real_time, "As sim.pacing=real_time");
   command->add_option("--policy", options->policy, "NAME or NAME:WEIGHTS, as planner.policy");
   command->add_option("--seed", options->seed, "As seed");
+  command->add_option("--shield", options->shield, "As shield.on")
+      ->check(CLI::IsMember({"on", "off"}));
   command->add_option("--out", options->folder,
                       "Folder for log and report (default: out/<experiment>-<time>)");
   command->add_option("--set", options->overrides, "Overrides a key of the experiment; repeatable")

@@ -21,14 +21,17 @@ std::optional<std::string> refuseGoalsAtObstacles(const config::Experiment& expe
                                                   const std::vector<Eigen::Vector3d>& points_m) {
   const double needed_m = config::obstacleSpacingM(experiment);
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    for (const config::Obstacle& obstacle : experiment.obstacles) {
-      const double distance_m = core::distanceTo(obstacle.points_m, points_m[i].head<2>());
-      if (distance_m < 0.0) {
-        return fmt::format("goal {} is inside obstacle {}", i + 1, obstacle.name);
-      }
-      if (distance_m < needed_m) {
-        return fmt::format("goal {} is {:.2f} m from obstacle {} and must be {:.2f} m", i + 1,
-                           distance_m, obstacle.name, needed_m);
+    for (const auto& [kind, list] : {std::pair{"obstacle", &experiment.obstacles},
+                                     std::pair{"no-fly zone", &experiment.no_fly_zones}}) {
+      for (const config::Obstacle& obstacle : *list) {
+        const double distance_m = core::distanceTo(obstacle.points_m, points_m[i].head<2>());
+        if (distance_m < 0.0) {
+          return fmt::format("goal {} is inside {} {}", i + 1, kind, obstacle.name);
+        }
+        if (distance_m < needed_m) {
+          return fmt::format("goal {} is {:.2f} m from {} {} and must be {:.2f} m", i + 1,
+                             distance_m, kind, obstacle.name, needed_m);
+        }
       }
     }
   }

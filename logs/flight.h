@@ -14,6 +14,7 @@
 #include "common/core/command.h"
 #include "common/core/fleet_phase.h"
 #include "common/core/planner_mode.h"
+#include "common/core/shield_layer.h"
 #include "common/core/time.h"
 #include "logs/reading/event_scan.h"
 
@@ -49,6 +50,8 @@ struct PlannerStatus {
   std::string policy;
   std::string reason;
   double compute_time_s = 0.0;
+  core::ShieldLayer shield_layer = core::ShieldLayer::kNotAsked;
+  double predicted_gap_m = std::numeric_limits<double>::infinity();
   int shield_interventions = 0;
   int rejected_messages = 0;
   int rejected_measurements = 0;

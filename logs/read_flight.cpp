@@ -40,6 +40,8 @@ PlannerStatus fromMessage(const roundabout_msgs::planner_status_t& message) {
   status.policy = message.policy;
   status.reason = message.reason;
   status.compute_time_s = message.compute_time;
+  status.shield_layer = static_cast<core::ShieldLayer>(message.shield_layer);
+  status.predicted_gap_m = message.predicted_gap;
   status.shield_interventions = message.shield_interventions;
   status.rejected_messages = message.rejected_messages;
   status.rejected_measurements = message.rejected_measurements;

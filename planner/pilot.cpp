@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/obstacles.h"
 #include "common/core/error.h"
 #include "planner/command_law.h"
 
@@ -22,15 +23,14 @@ Pilot::Pilot(const config::Experiment& experiment, std::size_t own_index,
       max_range_m_(experiment.vehicles[own_index].lidar
                        ? experiment.vehicles[own_index].lidar->max_range_m
                        : 0.0),
-      policy_(std::move(policy)) {
+      policy_(std::move(policy)),
+      obstacles_(config::placesToAvoid(experiment)) {
   others_.reserve(experiment.vehicles.size());
-  for (const config::Obstacle& obstacle : experiment.obstacles) {
-    obstacles_.push_back(obstacle.points_m);
-  }
-  if (!obstacles_.empty() && !policy_->avoidsObstacles()) {
+  if (!obstacles_.empty() && !policy_->avoidsObstacles() && !experiment.shield.on) {
     throw core::StartupError(
         experiment.file, "obstacles",
-        fmt::format("none, since the policy {} does not avoid them", policy_->name()),
+        fmt::format("none, since the policy {} does not avoid them and the shield is off",
+                    policy_->name()),
         fmt::format("{}", obstacles_.size()));
   }
   if (policy_->needsScan() && !experiment.vehicles[own_index].lidar) {
@@ -74,13 +74,8 @@ void Pilot::fly(core::Utime now, const Situation& situation, const core::Goal& g
   }
   status.decision = policy_->decide(ego, around);
   const PlanarCommand planar = commandFrom(status.decision, ego, settings_);
-  const Eigen::Vector2d velocity =
-      room.clipVelocity(ego.position_world_m, ego.velocity_world_mps, planar.velocity_world_mps);
-  if ((velocity - planar.velocity_world_mps).norm() > 1e-9) {
-    status.reason = "slowed down at the edge of the room";
-  }
   command.mode = core::CommandMode::kVelocity;
-  command.velocity_world_mps = {velocity.x(), velocity.y(), 0.0};
+  command.velocity_world_mps << planar.velocity_world_mps, 0.0;
   command.position_world_m = room.clipPosition(
       {ego.position_world_m.x(), ego.position_world_m.y(), goal.position_world_m.z()});
   command.heading_world_rad = planar.heading_world_rad;

@@ -34,9 +34,9 @@ PlannerCore::PlannerCore(const config::Experiment& experiment, const std::string
       own_index_(indexOf(experiment, vehicle)),
       tracks_(experiment),
       timer_(experiment.planner.rate_hz),
-      room_(experiment.room, experiment.vehicles[own_index_], experiment.safety.room_land_margin_m,
-            experiment.safety.reaction_s),
-      pilot_(experiment, own_index_, std::move(policy)) {}
+      room_(experiment.room, experiment.vehicles[own_index_], experiment.safety.room_land_margin_m),
+      pilot_(experiment, own_index_, std::move(policy)),
+      shield_(experiment, own_index_) {}
 
 std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& frame) {
   const core::Utime before = gate_.last();
@@ -71,6 +71,7 @@ void PlannerCore::beginAnew() {
   goals_.clear();
   modes_.beginAnew();
   pilot_.beginAnew();
+  shield_.beginAnew();
 }
 
 const char* PlannerCore::onGoal(const core::Goal& goal) {
@@ -101,6 +102,12 @@ const char* PlannerCore::onScan(const core::LaserScan& scan) {
   return nullptr;
 }
 
+const char* PlannerCore::onOthersCommand(const core::Command& command) {
+  const char* const refusal = shield_.onCommand(command, gate_.last());
+  rejected_messages_ += refusal == nullptr ? 0 : 1;
+  return refusal;
+}
+
 void PlannerCore::applyGoals(core::Utime now) {
   const GoalQueue::Change change = goals_.apply(now, first_frame_, situation());
   rejected_messages_ += change.refused;
@@ -110,14 +117,18 @@ void PlannerCore::applyGoals(core::Utime now) {
   if (change.is_new) {
     modes_.noteNewGoal();
     pilot_.noteNewGoal();
+    shield_.noteNewGoal();
   }
 }
 
 PlannerCore::Tick PlannerCore::tick(core::Utime now) {
   applyGoals(now);
+  shield_.observe(now, situation());
   const Verdict verdict = modes_.decide(now, core::toSeconds(timer_.periodUs()), situation(),
                                         goals_, room_, pilot_.seesEnough(now));
-  return report(now, now, verdict);
+  const Tick result = report(now, now, verdict);
+  shield_.onSent(result.command, situation());
+  return result;
 }
 
 PlannerCore::Tick PlannerCore::onSilence(double silence_s) {
@@ -152,8 +163,10 @@ PlannerCore::Tick PlannerCore::report(core::Utime now, core::Utime state_utime,
   command.position_world_m = own.state().position_world_m;
   command.heading_world_rad = core::headingOf(own.state().orientation);
   fill(now, command, status);
-  limitValidity(now, command);
   stopUnlessFinite(command, status);
+  shield_.guard(now, situation(), command, status);
+  stopUnlessFinite(command, status);
+  limitValidity(now, command);
   status.rejected_messages = rejected_messages_;
   return result;
 }

@@ -10,6 +10,7 @@
 #include "common/core/laser_scan.h"
 #include "common/core/tick_timer.h"
 #include "common/core/vehicle_state.h"
+#include "planner/flight_shield.h"
 #include "planner/goal_queue.h"
 #include "planner/mode_machine.h"
 #include "planner/pilot.h"
@@ -52,6 +53,9 @@ class PlannerCore {
   /// was refused; nullptr: it was not.
   const char* onScan(const core::LaserScan& scan);
   bool needsScans() const { return pilot_.needsScans(); }
+  /// What another vehicle's planner commands; takes effect at the first tick after its utime.
+  /// Returns why it was refused; nullptr: it was not.
+  const char* onOthersCommand(const core::Command& command);
   /// utime of the order obeyed last; 0: none.
   core::Utime obeyedOrder() const { return orders_.obeyed(); }
 
@@ -71,6 +75,7 @@ class PlannerCore {
   /// Before the first frame: what the status says.
   Status waitingStatus() const;
 
+  const config::Experiment& experiment() const { return experiment_; }
   const config::Vehicle& vehicle() const { return experiment_.vehicles[own_index_]; }
   std::string_view policyName() const { return pilot_.policyName(); }
   /// utime of the newest accepted frame; 0: none.
@@ -97,6 +102,7 @@ class PlannerCore {
   GoalQueue goals_;
   ModeMachine modes_;
   Pilot pilot_;
+  FlightShield shield_;
   core::Utime first_frame_ = 0;
   int rejected_messages_ = 0;
 };

@@ -38,7 +38,11 @@ roundabout_msgs::planner_status_t toMessage(const Status& status, const PlannerC
   message.value = status.decision.value;
   message.neighbours_used = status.decision.neighbours_used;
   message.closest_separation = status.closest_separation_m;
-  message.shield_interventions = 0;
+  message.shield_layer = static_cast<std::int8_t>(status.shield.layer);
+  Eigen::Map<Eigen::Vector2d>(message.wanted_velocity) = status.shield.wanted_world_mps;
+  Eigen::Map<Eigen::Vector2d>(message.flown_velocity) = status.shield.flown_world_mps;
+  message.predicted_gap = status.shield.predicted_gap_m;
+  message.shield_interventions = status.shield.interventions;
   message.rejected_messages = status.rejected_messages;
   message.rejected_measurements = status.rejected_measurements;
   message.missed_ticks = status.missed_ticks;
@@ -95,8 +99,32 @@ void PlannerNode::subscribe() {
         }
       },
       on_error);
+  subscribeOthersCommands();
   if (core_.needsScans()) {
     subscribeScans();
+  }
+}
+
+void PlannerNode::subscribeOthersCommands() {
+  for (const config::Vehicle& other : core_.experiment().vehicles) {
+    if (other.name == core_.vehicle().name) {
+      continue;
+    }
+    const std::string channel = bus::commandChannel(other.name);
+    bus::subscribe<roundabout_msgs::command_t>(
+        bus_, channel,
+        [this, channel, name = other.name](const roundabout_msgs::command_t& message) {
+          core::Command command;
+          const char* const reason = message.vehicle == name
+                                         ? bus::fromMessage(message, command)
+                                         : "names another vehicle than its channel";
+          if (reason != nullptr) {
+            reject(channel, reason);
+          } else if (const char* refusal = core_.onOthersCommand(command)) {
+            logRejection(channel, refusal);
+          }
+        },
+        [this](const bus::DecodeError& error) { reject(error.channel, error.reason); });
   }
 }
 

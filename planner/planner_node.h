@@ -18,9 +18,10 @@ namespace roundabout::planner {
 /// lockstep the simulator may wait for anybody for as long as it likes.
 bool watchesWallClock(const config::Experiment& experiment);
 
-/// The planner's wires: VEHICLE_STATES, GOAL_<vehicle>, SAFETY_ORDER and, if its policy needs
-/// scans, LASER_SCAN_<vehicle> in, COMMAND_<vehicle> and PLANNER_STATUS_<vehicle> out. The bus's
-/// handle() drives it; onWallClock() tells it how time passes when no message comes.
+/// The planner's wires: VEHICLE_STATES, GOAL_<vehicle>, SAFETY_ORDER, the other planners'
+/// COMMAND_<vehicle> and, if its policy needs scans, LASER_SCAN_<vehicle> in, COMMAND_<vehicle> and
+/// PLANNER_STATUS_<vehicle> out. The bus's handle() drives it; onWallClock() tells it how time
+/// passes when no message comes.
 class PlannerNode {
  public:
   using WallTime = std::chrono::steady_clock::time_point;
@@ -38,6 +39,7 @@ class PlannerNode {
 
  private:
   void subscribe();
+  void subscribeOthersCommands();
   void subscribeScans();
   void onStates(const roundabout_msgs::vehicle_states_t& message);
   void publish(const PlannerCore::Tick& tick, double compute_time_s);

@@ -4,8 +4,11 @@
 #include <optional>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "common/core/command.h"
 #include "common/core/planner_mode.h"
+#include "common/core/shield_layer.h"
 #include "planner/policy.h"
 
 namespace roundabout::planner {
@@ -18,6 +21,15 @@ struct Verdict {
   std::string reason;
 };
 
+/// What the shield made of a command. Velocities in m/s, world.
+struct ShieldStatus {
+  core::ShieldLayer layer = core::ShieldLayer::kNotAsked;
+  Eigen::Vector2d wanted_world_mps = Eigen::Vector2d::Zero();
+  Eigen::Vector2d flown_world_mps = Eigen::Vector2d::Zero();
+  double predicted_gap_m = std::numeric_limits<double>::infinity();
+  int interventions = 0;  ///< since start
+};
+
 /// What goes into planner_status_t, except what only the node knows (compute time).
 struct Status {
   core::Utime utime = 0;
@@ -27,6 +39,7 @@ struct Status {
   double distance_to_goal_m = std::numeric_limits<double>::quiet_NaN();
   Decision decision;  ///< its probabilities are valid until the next tick
   double closest_separation_m = std::numeric_limits<double>::infinity();
+  ShieldStatus shield;
   int rejected_messages = 0;
   int rejected_measurements = 0;
   int missed_ticks = 0;

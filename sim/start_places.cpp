@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/obstacles.h"
 #include "common/config/spacing.h"
 #include "common/core/error.h"
 #include "common/core/polygon.h"
@@ -20,11 +21,10 @@ constexpr int kLayouts = 200;
 constexpr int kDrawsPerVehicle = 200;
 
 bool clearOfObstacles(const config::Experiment& experiment, const Eigen::Vector2d& place) {
-  return std::all_of(experiment.obstacles.begin(), experiment.obstacles.end(),
-                     [&](const config::Obstacle& obstacle) {
-                       return core::distanceTo(obstacle.points_m, place) >=
-                              config::obstacleSpacingM(experiment);
-                     });
+  const std::vector<core::Polygon> places = config::placesToAvoid(experiment);
+  return std::all_of(places.begin(), places.end(), [&](const core::Polygon& polygon_m) {
+    return core::distanceTo(polygon_m, place) >= config::obstacleSpacingM(experiment);
+  });
 }
 
 std::optional<config::Start> drawPlace(const config::Experiment& experiment,

@@ -63,6 +63,9 @@ roundabout_msgs::command_t toMessage(const core::Command& command) {
   message.heading = command.heading_world_rad;
   message.heading_rate = command.heading_rate_radps;
   message.valid_for = command.valid_for_s;
+  message.goal[0] = command.goal_world_m.x();
+  message.goal[1] = command.goal_world_m.y();
+  message.asks_for_way = command.asks_for_way ? 1 : 0;
   return message;
 }
 
@@ -117,7 +120,8 @@ int fromMessage(const roundabout_msgs::vehicle_states_t& message, core::StatesFr
 const char* fromMessage(const roundabout_msgs::command_t& message, core::Command& command) {
   if (!allFinite(message.velocity) || !allFinite(message.position) ||
       !std::isfinite(message.heading) || !std::isfinite(message.heading_rate) ||
-      !std::isfinite(message.valid_for)) {
+      !std::isfinite(message.valid_for) || std::isinf(message.goal[0]) ||
+      std::isinf(message.goal[1])) {
     return "not a finite number";
   }
   if (message.mode < roundabout_msgs::command_t::VELOCITY ||
@@ -133,6 +137,8 @@ const char* fromMessage(const roundabout_msgs::command_t& message, core::Command
   command.heading_world_rad = message.heading;
   command.heading_rate_radps = message.heading_rate;
   command.valid_for_s = message.valid_for;
+  command.goal_world_m = {message.goal[0], message.goal[1]};
+  command.asks_for_way = message.asks_for_way != 0;
   return nullptr;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -193,6 +194,23 @@ void checkMocap(const Experiment& experiment, const Refuse& refuse) {
   }
 }
 
+// A command that expires before it has an effect moves nothing: that cannot be predicted.
+void checkShield(const Experiment& experiment, const Refuse& refuse) {
+  const Shield& shield = experiment.shield;
+  for (const auto& [model, bounds] :
+       {std::pair{"multirotor", &shield.multirotor}, std::pair{"unicycle", &shield.unicycle},
+        std::pair{"ground_robot", &shield.ground_robot}}) {
+    const bool flown = std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(),
+                                   [&](const Vehicle& vehicle) { return vehicle.model == model; });
+    const double needed_s = bounds->delay_s + 1.0 / experiment.planner.rate_hz;
+    if (flown && experiment.planner.command_valid_s < needed_s) {
+      refuse("planner.command_valid_s",
+             fmt::format("at least {} (shield.{}.delay_s and a planning period)", needed_s, model),
+             fmt::format("{}", experiment.planner.command_valid_s));
+    }
+  }
+}
+
 void expectPoints(const Experiment& experiment, const std::string& path, std::size_t count,
                   const Refuse& refuse) {
   if (count < 1 || count > experiment.vehicles.size()) {
@@ -289,6 +307,7 @@ void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
   checkStartArea(experiment, refuse);
   checkLimits(experiment, refuse);
   checkMocap(experiment, refuse);
+  checkShield(experiment, refuse);
   checkMission(experiment, refuse);
 }
 

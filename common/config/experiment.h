@@ -45,7 +45,8 @@ struct Vehicle {
   double height_m = 1.0;               ///< of flight, above the floor
   double max_acceleration_mps2 = 3.0;  ///< it can brake with this
   std::optional<Start> start;          ///< nothing: placed at random (sim.start_area)
-  std::optional<Lidar> lidar;          ///< nothing: it has none
+  bool shielded = true;        ///< its planner flies behind a shield; others count on what it says
+  std::optional<Lidar> lidar;  ///< nothing: it has none
 };
 
 /// False for models that stay on the floor: they need no take-off, and landing is stopping.
@@ -158,11 +159,35 @@ struct Safety {
   double jump_margin_m = 0.15;      ///< measured jump beyond top speed x dt + this is rejected
   int max_rejects_in_a_row = 10;    ///< then the track is lost
   double room_land_margin_m = 0.5;  ///< farther than this outside the room: land
-  double reaction_s =
-      0.42;  ///< from a planning tick to the first deceleration, at most; for braking at the edges
   double airborne_height_m = 0.15;  ///< a flying vehicle above this is in the air
   double goal_margin_m =
       0.1;  ///< goals closer than the sum of the assumed radii + this are refused
+};
+
+/// How a model follows its commands. Every number an upper bound: what it predicts must hold for
+/// the slowest vehicle on the worst day.
+struct MotionBounds {
+  double delay_s = 0.1;       ///< from the time of the frame that is answered to the first effect
+  double lag_s = 0.35;        ///< velocity error / acceleration
+  double inner_lag_s = 0.15;  ///< of the acceleration behind the wanted one: the attitude's
+  double max_turn_rate_radps = 1e9;  ///< of what drives along its heading; 1e9: it need not turn
+  double position_gain_per_s = 1.2;  ///< of POSITION commands: distance to speed
+  double position_speed_mps = 1.0;   ///< and the speed it flies at most
+};
+
+/// What stands between a policy and the vehicle; docs/shield.md.
+struct Shield {
+  bool on = true;
+  double margin_m = 0.1;             ///< between bodies: noise, errors of the bounds, pushes
+  double unshielded_margin_m = 0.1;  ///< more of it, to vehicles that are not shielded
+  /// Vehicles whose heights differ by more than this pass each other; nothing: never.
+  std::optional<double> height_separation_m;
+  double look_ahead_s = 1.0;  ///< 0: none
+  bool breaker = true;
+  bool steps_aside = true;  ///< on the goal, when somebody has no other way
+  MotionBounds multirotor;
+  MotionBounds unicycle{.lag_s = 0.05, .inner_lag_s = 0.0, .position_gain_per_s = 2.0};
+  MotionBounds ground_robot{.max_turn_rate_radps = 1.5};
 };
 
 struct Fleet {
@@ -252,8 +277,10 @@ struct Experiment {
   std::string lcm_url;         ///< empty: LCM_DEFAULT_URL, else LCM's own default
   Room room;
   std::vector<Obstacle> obstacles;
+  std::vector<Obstacle> no_fly_zones;  ///< nothing stands there, but nobody flies there
   std::vector<Vehicle> vehicles;
   Planner planner;
+  Shield shield;
   Safety safety;
   Fleet fleet;
   Sim sim;

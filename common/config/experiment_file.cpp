@@ -86,6 +86,7 @@ Experiment parseExperiment(const std::string& yaml, const std::string& name,
 
   readPointsFiles(experiment.mission, std::filesystem::path(name).parent_path(), refuse);
   orientObstacles(experiment.obstacles);
+  orientObstacles(experiment.no_fly_zones);
   fillHeights(experiment, refuse);
   checkConsistency(experiment, refuse);
   experiment.planner.policy = withAbsoluteWeights(experiment.planner.policy,

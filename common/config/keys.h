@@ -53,6 +53,7 @@ void describe(Visitor& visit, Vehicle& vehicle) {
   visit("top_speed_mps", vehicle.top_speed_mps, above(0.0));
   visit("height_m", vehicle.height_m, above(0.0));
   visit("max_acceleration_mps2", vehicle.max_acceleration_mps2, above(0.0));
+  visit("shielded", vehicle.shielded);
   visit("start", vehicle.start);
   visit("lidar", vehicle.lidar);
 }
@@ -81,6 +82,30 @@ void describe(Visitor& visit, Planner& planner) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, MotionBounds& bounds) {
+  visit("delay_s", bounds.delay_s, between(0.0, 1.0));
+  visit("lag_s", bounds.lag_s, between(0.0, 2.0));
+  visit("inner_lag_s", bounds.inner_lag_s, between(0.0, 1.0));
+  visit("max_turn_rate_radps", bounds.max_turn_rate_radps, above(0.0));
+  visit("position_gain_per_s", bounds.position_gain_per_s, above(0.0));
+  visit("position_speed_mps", bounds.position_speed_mps, above(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Shield& shield) {
+  visit("on", shield.on);
+  visit("margin_m", shield.margin_m, atLeast(0.0));
+  visit("unshielded_margin_m", shield.unshielded_margin_m, atLeast(0.0));
+  visit("height_separation_m", shield.height_separation_m, above(0.0));
+  visit("look_ahead_s", shield.look_ahead_s, atLeast(0.0));
+  visit("breaker", shield.breaker);
+  visit("steps_aside", shield.steps_aside);
+  visit("multirotor", shield.multirotor);
+  visit("unicycle", shield.unicycle);
+  visit("ground_robot", shield.ground_robot);
+}
+
+template <class Visitor>
 void describe(Visitor& visit, Safety& safety) {
   visit("states_hold_s", safety.states_hold_s, above(0.0));
   visit("states_land_s", safety.states_land_s, above(0.0));
@@ -91,7 +116,6 @@ void describe(Visitor& visit, Safety& safety) {
   visit("jump_margin_m", safety.jump_margin_m, atLeast(0.0));
   visit("max_rejects_in_a_row", safety.max_rejects_in_a_row, atLeast(1.0));
   visit("room_land_margin_m", safety.room_land_margin_m, atLeast(0.0));
-  visit("reaction_s", safety.reaction_s, atLeast(0.0));
   visit("airborne_height_m", safety.airborne_height_m, above(0.0));
   visit("goal_margin_m", safety.goal_margin_m, atLeast(0.0));
 }
@@ -275,9 +299,11 @@ void describe(Visitor& visit, Experiment& experiment) {
   visit("lcm_url", experiment.lcm_url);
   visit("room", experiment.room);
   visit("obstacles", experiment.obstacles);
+  visit("no_fly_zones", experiment.no_fly_zones);
   visit("vehicle_defaults", vehicle_defaults, inputOnly());
   visit("vehicles", experiment.vehicles, vehicle_defaults);
   visit("planner", experiment.planner);
+  visit("shield", experiment.shield);
   visit("safety", experiment.safety);
   visit("fleet", experiment.fleet);
   visit("sim", experiment.sim);

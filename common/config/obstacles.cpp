@@ -24,8 +24,6 @@ void describe(Visitor& visit, ObstacleFile& file) {
   visit("obstacles", file.obstacles);
 }
 
-std::string pathOf(std::size_t obstacle) { return fmt::format("obstacles[{}]", obstacle); }
-
 void checkInRoom(const Room& room, const Obstacle& obstacle, const std::string& path,
                  const Refuse& refuse) {
   for (std::size_t i = 0; i < obstacle.points_m.size(); ++i) {
@@ -41,7 +39,8 @@ void checkInRoom(const Room& room, const Obstacle& obstacle, const std::string& 
   }
 }
 
-void checkStarts(const Experiment& experiment, const Obstacle& obstacle, const Refuse& refuse) {
+void checkStarts(const Experiment& experiment, const Obstacle& obstacle, const std::string& kind,
+                 const Refuse& refuse) {
   const double needed_m = obstacleSpacingM(experiment);
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     const std::optional<Start>& start = experiment.vehicles[i].start;
@@ -51,9 +50,8 @@ void checkStarts(const Experiment& experiment, const Obstacle& obstacle, const R
     const double distance_m = core::distanceTo(obstacle.points_m, start->position_m);
     if (distance_m < needed_m) {
       refuse(fmt::format("vehicles[{}].start.position_m", i),
-             fmt::format("at least {} m (an assumed radius and safety.goal_margin_m) from obstacle "
-                         "{}",
-                         needed_m, quoted(obstacle.name)),
+             fmt::format("at least {} m (an assumed radius and safety.goal_margin_m) from {} {}",
+                         needed_m, kind, quoted(obstacle.name)),
              distance_m < 0.0 ? "a place inside it" : fmt::format("{:.3f} m", distance_m));
     }
   }
@@ -69,35 +67,49 @@ void orientObstacles(std::vector<Obstacle>& obstacles) {
   }
 }
 
-void checkOutlines(const std::vector<Obstacle>& obstacles, const Refuse& refuse) {
+void checkOutlines(const std::vector<Obstacle>& obstacles, const std::string& key,
+                   const Refuse& refuse) {
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const Obstacle& obstacle = obstacles[i];
+    const std::string path = fmt::format("{}[{}]", key, i);
     if (obstacle.name.empty()) {
-      refuse(pathOf(i) + ".name", "letters, digits and underscore", "nothing");
+      refuse(path + ".name", "letters, digits and underscore", "nothing");
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (obstacles[j].name == obstacle.name) {
-        refuse(pathOf(i) + ".name", "a name of its own",
-               fmt::format("{}, which is {}'s", quoted(obstacle.name), pathOf(j)));
+        refuse(path + ".name", "a name of its own",
+               fmt::format("{}, which is {}[{}]'s", quoted(obstacle.name), key, j));
       }
     }
     if (obstacle.points_m.size() < 3) {
-      refuse(pathOf(i) + ".points_m", "at least 3 corners",
-             fmt::format("{}", obstacle.points_m.size()));
+      refuse(path + ".points_m", "at least 3 corners", fmt::format("{}", obstacle.points_m.size()));
     }
     if (!core::isSimple(obstacle.points_m)) {
-      refuse(pathOf(i) + ".points_m", "the corners of a polygon, in their order along its outline",
+      refuse(path + ".points_m", "the corners of a polygon, in their order along its outline",
              "sides that touch or cross each other");
     }
   }
 }
 
 void checkObstacles(const Experiment& experiment, const Refuse& refuse) {
-  checkOutlines(experiment.obstacles, refuse);
-  for (std::size_t i = 0; i < experiment.obstacles.size(); ++i) {
-    checkInRoom(experiment.room, experiment.obstacles[i], pathOf(i), refuse);
-    checkStarts(experiment, experiment.obstacles[i], refuse);
+  const auto check = [&](const std::vector<Obstacle>& list, const std::string& key,
+                         const std::string& kind) {
+    checkOutlines(list, key, refuse);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      checkInRoom(experiment.room, list[i], fmt::format("{}[{}]", key, i), refuse);
+      checkStarts(experiment, list[i], kind, refuse);
+    }
+  };
+  check(experiment.obstacles, "obstacles", "obstacle");
+  check(experiment.no_fly_zones, "no_fly_zones", "no-fly zone");
+}
+
+std::vector<core::Polygon> placesToAvoid(const Experiment& experiment) {
+  std::vector<core::Polygon> places = outlinesOf(experiment.obstacles);
+  for (const Obstacle& zone : experiment.no_fly_zones) {
+    places.push_back(zone.points_m);
   }
+  return places;
 }
 
 std::vector<Obstacle> readObstacles(const std::string& path) {
@@ -110,7 +122,7 @@ std::vector<Obstacle> readObstacles(const std::string& path) {
     document.fail("obstacles", "at least one", "none");
   }
   orientObstacles(file.obstacles);
-  checkOutlines(file.obstacles,
+  checkOutlines(file.obstacles, "obstacles",
                 [&](const std::string& key, const std::string& expected, const std::string& found) {
                   document.fail(key, expected, found);
                 });

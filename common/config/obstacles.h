@@ -12,11 +12,12 @@ namespace roundabout::config {
 /// Turns obstacles round whose corners were written clockwise.
 void orientObstacles(std::vector<Obstacle>& obstacles);
 
-/// Refuses obstacles without a name of their own or that are no simple polygons.
-void checkOutlines(const std::vector<Obstacle>& obstacles, const Refuse& refuse);
+/// Refuses those without a name of their own or that are no simple polygons. `key`: of the list.
+void checkOutlines(const std::vector<Obstacle>& obstacles, const std::string& key,
+                   const Refuse& refuse);
 
-/// Refuses obstacles without a name of their own, that are no simple polygons, or that reach out of
-/// the room, and starting places too close to one (obstacleSpacingM).
+/// Refuses obstacles and no-fly zones without a name of their own, that are no simple polygons, or
+/// that reach out of the room, and starting places too close to one (obstacleSpacingM).
 void checkObstacles(const Experiment& experiment, const Refuse& refuse);
 
 /// Obstacles that stand in no experiment: a YAML file with the key `obstacles` alone, written as in
@@ -25,5 +26,8 @@ std::vector<Obstacle> readObstacles(const std::string& path);
 
 /// Their corners.
 std::vector<core::Polygon> outlinesOf(const std::vector<Obstacle>& obstacles);
+
+/// The corners of obstacles, then of no-fly zones. m, world.
+std::vector<core::Polygon> placesToAvoid(const Experiment& experiment);
 
 }  // namespace roundabout::config

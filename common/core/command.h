@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include <Eigen/Core>
@@ -28,6 +29,10 @@ struct Command {
   double heading_world_rad = 0.0;
   double heading_rate_radps = 0.0;
   double valid_for_s = 0.0;
+  /// Where it is going in the end; NaN: nowhere.
+  Eigen::Vector2d goal_world_m =
+      Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  bool asks_for_way = false;  ///< of vehicles that are parked in its way
 };
 
 /// As in lcmtypes/goal_t.lcm.

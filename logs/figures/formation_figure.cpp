@@ -141,6 +141,33 @@ void addPaths(PlotCommand& plot, const Flight& flight, std::size_t begin, std::s
   }
 }
 
+/// Where the shield had something else flown, no closer together than step_m.
+void addInterventions(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end,
+                      double step_m) {
+  std::vector<std::string> rows;
+  for (const FlightVehicle& vehicle : flight.vehicles) {
+    const Sample* last = nullptr;
+    for (const Logged<PlannerStatus>& status : vehicle.statuses) {
+      const std::size_t frame = flight.frameAt(status.value.utime);
+      if (status.value.shield_layer <= core::ShieldLayer::kNone || frame < begin || frame >= end) {
+        continue;
+      }
+      const Sample& sample = vehicle.samples[frame];
+      const bool moved =
+          last == nullptr || (sample.position_world_m - last->position_world_m).norm() >= step_m;
+      if (sample.tracked && moved) {
+        last = &sample;
+        rows.push_back(
+            fmt::format("{:.3f} {:.3f}", sample.position_world_m.x(), sample.position_world_m.y()));
+      }
+    }
+  }
+  if (!rows.empty()) {
+    plot.add(rows, "with points pt 2 ps 0.7 lw 1.5 lc rgb \"#d62728\"");
+    plot.addKey("with points pt 2 ps 1 lw 1.5 lc rgb \"#d62728\"", "shield");
+  }
+}
+
 void addStarts(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
     if (const Sample* start = firstTracked(flight.vehicles[i], begin, end)) {
@@ -200,7 +227,9 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
   const double interval_s = circleInterval(flight);
   figure.title = formation.name + ": " + outcomeOf(formation);
   figure.caption = fmt::format(
-      "bodies every {} s while moving, darker with time; star: goal, diamond: start", interval_s);
+      "bodies every {} s while moving, darker with time; star: goal, diamond: start, red cross: "
+      "the shield acted",
+      interval_s);
 
   PlanView view;
   includePaths(view, flight, begin, end);
@@ -216,6 +245,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
   plot.add(circleRows(flight, begin, end, formed_at_s, interval_s),
            "with circles lc rgb variable fs solid border lc rgb \"#60ffffff\"");
   addPaths(plot, flight, begin, end, kPathStepM);
+  addInterventions(plot, flight, begin, end, kPathStepM);
   addStarts(plot, flight, begin, end);
   for (const LegMetrics& leg : formation.legs) {
     addStar(plot, leg.goal_world_m,
@@ -243,6 +273,7 @@ void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& me
     }
   }
   addPaths(plot, flight, 0, end, kOverviewPathStepM);
+  addInterventions(plot, flight, 0, end, kOverviewPathStepM);
   addStarts(plot, flight, 0, end);
   addNames(plot, flight);
   endFigure(script, view.size(), figure.files(), plot.text());

@@ -98,6 +98,19 @@ struct FormationMetrics {
   int approaches = 0;
 };
 
+/// What the shield made of a vehicle's commands.
+struct ShieldMetrics {
+  int steps = 0;          ///< planning ticks on which it was asked
+  int interventions = 0;  ///< on which it had something else flown; its own count
+  /// The same by layer, in their order, as far as statuses are in the log; layers that occurred.
+  std::vector<std::pair<core::ShieldLayer, int>> by_layer;
+  /// The smallest gap between the brake paths of this vehicle and any other; infinite: none.
+  double smallest_predicted_gap_m = std::numeric_limits<double>::infinity();
+
+  /// Of the steps; 0 if there were none.
+  double changedShare() const;
+};
+
 struct VehicleMetrics {
   std::string name;
   std::string policy;
@@ -110,7 +123,7 @@ struct VehicleMetrics {
   double command_rate_hz = 0.0;  ///< in data time
   Spread command_latency_s;      ///< log times, state to the command that answers it
   Spread compute_time_s;
-  int shield_interventions = 0;
+  ShieldMetrics shield;
   int rejected_messages = 0;
   int rejected_measurements = 0;
   int missed_ticks = 0;

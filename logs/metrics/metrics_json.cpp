@@ -109,6 +109,18 @@ Json formation(const FormationMetrics& formation) {
           {"vehicles", legs}};
 }
 
+Json shield(const ShieldMetrics& shield) {
+  Json layers = Json::object();
+  for (const auto& [layer, count] : shield.by_layer) {
+    layers[nameOf(layer)] = count;
+  }
+  return {{"steps", shield.steps},
+          {"interventions", shield.interventions},
+          {"changed_share", shield.changedShare()},
+          {"by_layer", layers},
+          {"smallest_predicted_gap_m", number(shield.smallest_predicted_gap_m)}};
+}
+
 Json vehicle(const VehicleMetrics& vehicle) {
   Json modes = Json::object();
   for (const auto& [mode, time_s] : vehicle.time_in_mode_s) {
@@ -125,7 +137,7 @@ Json vehicle(const VehicleMetrics& vehicle) {
           {"command_rate_hz", vehicle.command_rate_hz},
           {"command_latency", spread(vehicle.command_latency_s)},
           {"compute_time", spread(vehicle.compute_time_s)},
-          {"shield_interventions", vehicle.shield_interventions},
+          {"shield", shield(vehicle.shield)},
           {"rejected_messages", vehicle.rejected_messages},
           {"rejected_measurements", vehicle.rejected_measurements},
           {"missed_ticks", vehicle.missed_ticks}};

@@ -53,6 +53,33 @@ std::string vehicleTable(const Metrics& metrics) {
   return text;
 }
 
+/// Of the vehicles whose shield did something; empty if none did.
+std::string shieldTable(const Metrics& metrics) {
+  std::string rows;
+  int steps = 0;
+  for (const VehicleMetrics& vehicle : metrics.vehicles) {
+    const ShieldMetrics& shield = vehicle.shield;
+    steps += shield.steps;
+    if (shield.interventions == 0) {
+      continue;
+    }
+    std::vector<std::string> layers;
+    for (const auto& [layer, count] : shield.by_layer) {
+      layers.push_back(fmt::format("{} {}", count, nameOf(layer)));
+    }
+    rows += fmt::format("{:<12} {:>7} {:>8} {:>7.1f}% {:>9}  {}\n", vehicle.name, shield.steps,
+                        shield.interventions, 100.0 * shield.changedShare(),
+                        number(shield.smallest_predicted_gap_m, 3), fmt::join(layers, ", "));
+  }
+  if (rows.empty()) {
+    return steps == 0 ? "\nflown without a shield\n"
+                      : fmt::format("\nthe shield changed none of {} steps\n", steps);
+  }
+  return fmt::format("\n{:<12} {:>7} {:>8} {:>8} {:>9}  {}\n", "shield", "steps", "changed",
+                     "share", "least m", "by layer") +
+         rows;
+}
+
 std::string timingText(const Metrics& metrics) {
   const TimingMetrics& timing = metrics.timing;
   std::string text = fmt::format(
@@ -139,8 +166,8 @@ std::string toText(const Flight& flight, const Metrics& metrics) {
   text += fmt::format("closer than assumed  {} times, {:.1f} s in total\n",
                       separation.approaches.size(), separation.approaching_time_s);
   text += fmt::format("{}\n", flight.experiment_note);
-  return text + formationTable(metrics) + vehicleTable(metrics) + timingText(metrics) +
-         faultText(flight, metrics);
+  return text + formationTable(metrics) + vehicleTable(metrics) + shieldTable(metrics) +
+         timingText(metrics) + faultText(flight, metrics);
 }
 
 }  // namespace roundabout::logs

@@ -1,5 +1,6 @@
 #include "logs/metrics/vehicles.h"
 
+#include <algorithm>
 #include <array>
 
 #include "logs/metrics/motion.h"
@@ -7,6 +8,8 @@
 namespace roundabout::logs {
 
 namespace {
+
+using core::ShieldLayer;
 
 /// Sums a counter that starts again from zero when its process does.
 class RestartingCounter {
@@ -54,17 +57,39 @@ void addCommands(const Flight& flight, const FlightVehicle& vehicle, VehicleMetr
   metrics.command_latency_s = spreadOf(std::move(latencies_s));
 }
 
+/// A status that is said again is no new step.
+void addStep(const PlannerStatus& status, const PlannerStatus* before, ShieldMetrics& shield) {
+  const bool repeated = before != nullptr && status.utime <= before->utime;
+  if (repeated || status.shield_layer < ShieldLayer::kNone) {
+    return;
+  }
+  ++shield.steps;
+  shield.smallest_predicted_gap_m =
+      std::min(shield.smallest_predicted_gap_m, status.predicted_gap_m);
+  if (status.shield_layer == ShieldLayer::kNone) {
+    return;
+  }
+  const auto place =
+      std::lower_bound(shield.by_layer.begin(), shield.by_layer.end(), status.shield_layer,
+                       [](const auto& entry, ShieldLayer layer) { return entry.first < layer; });
+  if (place == shield.by_layer.end() || place->first != status.shield_layer) {
+    shield.by_layer.insert(place, {status.shield_layer, 1});
+  } else {
+    ++place->second;
+  }
+}
+
 void addStatuses(const FlightVehicle& vehicle, VehicleMetrics& metrics) {
   std::array<double, static_cast<std::size_t>(PlannerMode::kKilled) + 1> time_in_mode_s{};
   std::vector<double> compute_times_s;
-  RestartingCounter shield;
+  RestartingCounter interventions;
   RestartingCounter messages;
   RestartingCounter measurements;
   RestartingCounter ticks;
   const PlannerStatus* before = nullptr;
   for (const Logged<PlannerStatus>& entry : vehicle.statuses) {
     const PlannerStatus& status = entry.value;
-    shield.see(status.shield_interventions);
+    interventions.see(status.shield_interventions);
     messages.see(status.rejected_messages);
     measurements.see(status.rejected_measurements);
     ticks.see(status.missed_ticks);
@@ -75,6 +100,7 @@ void addStatuses(const FlightVehicle& vehicle, VehicleMetrics& metrics) {
     if (status.mode == PlannerMode::kFlying) {
       compute_times_s.push_back(status.compute_time_s);
     }
+    addStep(status, before, metrics.shield);
     if (before != nullptr) {
       const double passed_s = core::toSeconds(status.utime - before->utime);
       const auto mode = static_cast<std::size_t>(before->mode);
@@ -90,13 +116,17 @@ void addStatuses(const FlightVehicle& vehicle, VehicleMetrics& metrics) {
     }
   }
   metrics.compute_time_s = spreadOf(std::move(compute_times_s));
-  metrics.shield_interventions = shield.total();
+  metrics.shield.interventions = interventions.total();
   metrics.rejected_messages = messages.total();
   metrics.rejected_measurements = measurements.total();
   metrics.missed_ticks = ticks.total();
 }
 
 }  // namespace
+
+double ShieldMetrics::changedShare() const {
+  return steps == 0 ? 0.0 : static_cast<double>(interventions) / steps;
+}
 
 VehicleMetrics vehicleMetricsOf(const Flight& flight, const FlightVehicle& vehicle) {
   VehicleMetrics metrics;

@@ -126,6 +126,30 @@ std::string vehicleTable(const Metrics& metrics) {
                    rows);
 }
 
+std::string shieldTable(const Metrics& metrics) {
+  std::vector<std::vector<std::string>> rows;
+  for (const VehicleMetrics& vehicle : metrics.vehicles) {
+    const ShieldMetrics& shield = vehicle.shield;
+    if (shield.steps == 0) {
+      continue;
+    }
+    std::vector<std::string> layers;
+    for (const auto& [layer, count] : shield.by_layer) {
+      layers.push_back(fmt::format("{} {}", count, nameOf(layer)));
+    }
+    rows.push_back(
+        {escaped(vehicle.name), fmt::format("{}", shield.steps),
+         fmt::format("{}", shield.interventions), number(shield.changedShare(), 1, 100.0),
+         fmt::format("{}", fmt::join(layers, ", ")), number(shield.smallest_predicted_gap_m, 3)});
+  }
+  if (rows.empty()) {
+    return "<p class=\"quiet\">Flown without a shield.</p>\n";
+  }
+  return htmlTable(
+      {"shield", "steps", "changed", "share (%)", "by layer", "smallest gap of brake paths (m)"},
+      rows);
+}
+
 std::string timingSection(const Metrics& metrics) {
   const TimingMetrics& timing = metrics.timing;
   std::string html = fmt::format(
@@ -240,7 +264,7 @@ void writeReport(const std::string& file, const Flight& flight, const Metrics& m
       "<p class=\"quiet\">" + escaped(flight.log_file) + "</p>\n" + verdict(metrics) +
       cards(metrics) + playerHtml(flight, metrics) + "<h2>Formations</h2>\n" + plans(figures) +
       formationTable(metrics) + "<h2>Over time</h2>\n" + curves(figures) + "<h2>Vehicles</h2>\n" +
-      vehicleTable(metrics) + "<h2>Timing</h2>\n" + timingSection(metrics) + "<h2>Faults</h2>\n" +
+      vehicleTable(metrics) + shieldTable(metrics) + "<h2>Timing</h2>\n" + timingSection(metrics) + "<h2>Faults</h2>\n" +
       faultSection(flight, metrics) + "<h2>Experiment</h2>\n" +
       experimentSection(flight, command_line) + "</body></html>\n";
   writeFile(file, html);

@@ -6,24 +6,14 @@
 
 namespace roundabout::planner {
 
-/// Keeps commands such that the vehicle can brake before the edges of the room.
+/// Which places in and around the room a vehicle may be sent to, and where it has to land. That it
+/// brakes before the edges is the shield's affair.
 class RoomGuard {
  public:
-  /// reaction_s: from a new command to the first deceleration, an upper bound.
-  RoomGuard(const config::Room& room, const config::Vehicle& vehicle, double land_margin_m,
-            double reaction_s);
-
-  /// Horizontal velocity (m/s, world) that is as close to `wanted` as braking before the edges
-  /// allows.
-  Eigen::Vector2d clipVelocity(const Eigen::Vector2d& position_world_m,
-                               const Eigen::Vector2d& velocity_world_mps,
-                               const Eigen::Vector2d& wanted_world_mps) const;
+  RoomGuard(const config::Room& room, const config::Vehicle& vehicle, double land_margin_m);
 
   /// The nearest position that keeps the body inside.
   Eigen::Vector3d clipPosition(const Eigen::Vector3d& position_world_m) const;
-
-  /// The vehicle's centre may be here, its body touching the wall.
-  bool inside(const Eigen::Vector2d& position_world_m) const;
 
   /// Farther outside than the margin, in any direction but down: a vehicle lands, a goal is
   /// refused.
@@ -35,8 +25,6 @@ class RoomGuard {
   Eigen::Vector3d centre_min_m_;  // of what the vehicle's centre may reach
   Eigen::Vector3d centre_max_m_;
   double land_margin_m_;
-  double braking_mps2_;
-  double reaction_s_;
 };
 
 }  // namespace roundabout::planner

@@ -11,24 +11,6 @@ namespace roundabout::planner::shield {
 
 using Eigen::Vector2d;
 
-const char* nameOf(Layer layer) {
-  switch (layer) {
-    case Layer::kNone:
-      return "none";
-    case Layer::kHard:
-      return "hard";
-    case Layer::kStatic:
-      return "static";
-    case Layer::kLookAhead:
-      return "look_ahead";
-    case Layer::kBreaker:
-      return "breaker";
-    case Layer::kStepAside:
-      return "step_aside";
-  }
-  return "unknown";
-}
-
 class Shield::Impl {
  public:
   explicit Impl(const ShieldParameters& parameters)

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -9,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/core/agent.h"
+#include "common/core/shield_layer.h"
 #include "planner/shield/motion.h"
 #include "planner/shield/parameters.h"
 
@@ -55,18 +55,8 @@ struct Statics {
   std::span<const core::Polygon> obstacles{};  ///< and no-fly zones; from the floor up
 };
 
-/// Who decided what is flown. The first of them that wanted something else than the policy.
-enum class Layer : std::int8_t {
-  kNone = 0,       ///< what was wanted is flown
-  kHard = 1,       ///< the brake path would have met another vehicle's
-  kStatic = 2,     ///< or a wall, an obstacle, a no-fly zone
-  kLookAhead = 3,  ///< what was wanted would soon have had to be undone
-  kBreaker = 4,    ///< nobody got on
-  kStepAside = 5   ///< parked in the way of somebody who asked
-};
-
-/// "none", "hard", "static", "look_ahead", "breaker", "step_aside"
-const char* nameOf(Layer layer);
+using Layer = core::ShieldLayer;
+using core::nameOf;
 
 struct ShieldDecision {
   Eigen::Vector2d velocity_world_mps = Eigen::Vector2d::Zero();  ///< to be flown for hold_s

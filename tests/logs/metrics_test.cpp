@@ -515,6 +515,40 @@ TEST_F(MetricsTest, AreTheSameWhereverTheLogIsDamaged) {
   EXPECT_LE(metrics.timing.missing_frames, 1);
 }
 
+TEST_F(MetricsTest, CountTheShieldsInterventionsByLayer) {
+  passAt(2.0);
+  measure();
+  auto& statuses = flight_.vehicles[0].statuses;
+  const std::size_t steps = statuses.size();
+  for (Logged<PlannerStatus>& status : statuses) {
+    status.value.predicted_gap_m = 0.5;
+  }
+  const auto act = [&](std::size_t status, core::ShieldLayer layer) {
+    statuses[status].value.shield_layer = layer;
+    for (std::size_t i = status; i < statuses.size(); ++i) {
+      ++statuses[i].value.shield_interventions;
+    }
+  };
+  act(3, core::ShieldLayer::kHard);
+  act(4, core::ShieldLayer::kBreaker);
+  act(5, core::ShieldLayer::kBreaker);
+  statuses[5].value.predicted_gap_m = 0.125;
+  statuses[7].value.shield_layer = core::ShieldLayer::kNotAsked;
+  statuses.insert(statuses.begin() + 6, statuses[5]);  // a status that is said again
+
+  const Metrics metrics = computeMetrics(flight_);
+  const ShieldMetrics& shield = metrics.vehicles[0].shield;
+  EXPECT_EQ(shield.steps, static_cast<int>(steps) - 1);
+  EXPECT_EQ(shield.interventions, 3);
+  EXPECT_DOUBLE_EQ(shield.changedShare(), 3.0 / shield.steps);
+  EXPECT_THAT(shield.by_layer, ElementsAre(std::pair(core::ShieldLayer::kHard, 1),
+                                           std::pair(core::ShieldLayer::kBreaker, 2)));
+  EXPECT_DOUBLE_EQ(shield.smallest_predicted_gap_m, 0.125);
+  EXPECT_THAT(toText(flight_, metrics), HasSubstr("1 hard, 2 breaker"));
+  const auto json = nlohmann::json::parse(toJson(metrics));
+  EXPECT_EQ(json["vehicles"][0]["shield"]["by_layer"]["breaker"], 2);
+}
+
 TEST_F(MetricsTest, AJsonFileHoldsThemWithUnitsInTheKeys) {
   passAt(0.8);
   const Metrics metrics = measure();

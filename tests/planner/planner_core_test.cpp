@@ -636,10 +636,14 @@ TEST(PlannerCore, RefusesObstaclesThatItsPolicyDoesNotAvoid) {
   experiment.obstacles = {{"box", {{1.0, 3.0}, {2.0, 3.0}, {2.0, 4.0}}}};
   const auto script = std::make_shared<ScriptedPolicy::Script>();
   script->avoids_obstacles = false;
-  EXPECT_EQ(test::startupErrorOf(
-                [&] { PlannerCore(experiment, "hex1", std::make_unique<ScriptedPolicy>(script)); }),
-            "test: obstacles: expected none, since the policy scripted does not avoid them, found "
-            "1");
+  const auto make = [&] {
+    PlannerCore(experiment, "hex1", std::make_unique<ScriptedPolicy>(script));
+  };
+  EXPECT_NO_THROW(make()) << "the shield keeps it off them";
+  experiment.shield.on = false;
+  EXPECT_EQ(test::startupErrorOf(make),
+            "test: obstacles: expected none, since the policy scripted does not avoid them and the "
+            "shield is off, found 1");
 }
 
 // hex1 flies by its lidar.

@@ -1,5 +1,5 @@
-// The stock lcm-logplayer feeds a planner what it heard during a flight, and it decides the same
-// again.
+// The stock lcm-logplayer feeds a planner what it heard during a flight, the other planners'
+// commands too, and it decides the same again.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,8 @@ class Replay : public FlightLab {
     waitUntil("the planner",
               [&] { return modeOf(vehicle) == roundabout_msgs::planner_status_t::WAITING; });
     run("lcm-logplayer",
-        {"--regexp=VEHICLE_STATES|SAFETY_ORDER|GOAL_" + vehicle + "|LASER_SCAN_" + vehicle,
+        {"--regexp=VEHICLE_STATES|SAFETY_ORDER|GOAL_" + vehicle + "|LASER_SCAN_" + vehicle +
+             "|COMMAND_hex[^" + vehicle.back() + "]",
          "--lcm-url=" + url(), (out() / "flight.lcm").string()});
     listenFor(std::chrono::milliseconds(200));
     planner.signal(SIGTERM);

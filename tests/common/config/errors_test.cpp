@@ -88,8 +88,8 @@ TEST(ConfigError, UnknownKeyAtTheTop) {
   EXPECT_EQ(
       errorBelow("misson: [land]\n"),
       "lab.yaml:2: misson: expected one of name, seed, source, lcm_url, room, "
-      "obstacles, vehicle_defaults, vehicles, planner, safety, fleet, sim, mocap, glyphs, mission, "
-      "found "
+      "obstacles, no_fly_zones, vehicle_defaults, vehicles, planner, shield, safety, fleet, sim, "
+      "mocap, glyphs, mission, found "
       "\"misson\" (did you mean \"mission\"?)");
 }
 
@@ -97,14 +97,14 @@ TEST(ConfigError, UnknownKeyOfAVehicle) {
   EXPECT_EQ(errorOf("vehicles:\n  - name: hex1\n  - name: hex2\n    radus_m: 0.5\n"),
             "lab.yaml:4: vehicles[1].radus_m: expected one of name, model, assumed_radius_m, "
             "body_radius_m, preferred_speed_mps, top_speed_mps, height_m, max_acceleration_mps2, "
-            "start, lidar, found \"radus_m\" (did you mean \"assumed_radius_m\"?)");
+            "shielded, start, lidar, found \"radus_m\" (did you mean \"assumed_radius_m\"?)");
 }
 
 TEST(ConfigError, UnknownKeyOfTheVehicleDefaults) {
   EXPECT_EQ(errorBelow("vehicle_defaults:\n  height: 1\n"),
             "lab.yaml:3: vehicle_defaults.height: expected one of name, model, assumed_radius_m, "
             "body_radius_m, preferred_speed_mps, top_speed_mps, height_m, max_acceleration_mps2, "
-            "start, lidar, found \"height\" (did you mean \"height_m\"?)");
+            "shielded, start, lidar, found \"height\" (did you mean \"height_m\"?)");
 }
 
 TEST(ConfigError, UnknownKeyLikeNoOther) {
@@ -490,6 +490,22 @@ TEST(ConfigError, TwoObstaclesOfOneName) {
                           "{name: a, points_m: [[5, 5], [6, 5], [5, 6]]}]"),
             "lab.yaml:2: obstacles[1].name: expected a name of its own, found \"a\", which is "
             "obstacles[0]'s");
+}
+
+TEST(ConfigError, ANoFlyZoneIsCheckedAsAnObstacleIs) {
+  EXPECT_EQ(errorBelow("no_fly_zones: [{name: stage, points_m: [[0, 0], [1, 0]]}]\n"),
+            "lab.yaml:2: no_fly_zones[0].points_m: expected at least 3 corners, found 2");
+}
+
+TEST(ConfigError, CommandsMustOutliveTheirDelay) {
+  EXPECT_EQ(errorOf("vehicles: [{name: hex1}]\nplanner: {command_valid_s: 0.15}\n"),
+            "lab.yaml:2: planner.command_valid_s: expected at least 0.2 (shield.multirotor.delay_s "
+            "and a planning period), found 0.15");
+}
+
+TEST(ConfigError, AShieldsBoundsAreBounds) {
+  EXPECT_EQ(errorBelow("shield: {multirotor: {lag_s: -0.1}}\n"),
+            "lab.yaml:2: shield.multirotor.lag_s: expected a number from 0 to 2, found -0.1");
 }
 
 TEST(ConfigError, ObstacleOfTwoCorners) {

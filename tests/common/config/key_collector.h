@@ -50,6 +50,9 @@ class KeyCollector {
     }
     keys_[path] = text + "]";
   }
+  void collect(const std::string& path, std::optional<double>& value) {
+    keys_[path] = value ? fmt(*value) : "";
+  }
   template <class Struct>
   void collect(const std::string& path, std::optional<Struct>&) {
     Struct present{};

@@ -15,6 +15,7 @@ inline Experiment oneOfEverything() {
   e.room = {{-6.5, -5.25, 0.0}, {6.5, 5.75, 3.3}};
 
   e.obstacles = {{"pillar", {{5.0, 5.0}, {5.5, 5.0}, {5.5, 5.5}}}};
+  e.no_fly_zones = {{"stage", {{-5.0, 5.0}, {-4.5, 5.0}, {-4.5, 5.5}}}};
 
   Vehicle first;
   first.name = "hex_1";
@@ -25,6 +26,7 @@ inline Experiment oneOfEverything() {
   first.top_speed_mps = 3.5;
   first.height_m = 1.25;
   first.max_acceleration_mps2 = 2.5;
+  first.shielded = false;
   first.start = Start{{-1.5, 2.5}, -0.75};
   first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true};
   Vehicle second = first;
@@ -43,7 +45,18 @@ inline Experiment oneOfEverything() {
   e.planner.watch_wall_clock = false;
   e.planner.orca = {4.0, 1.5, 1.2, 0.5, 0.05, 7, 0.1};
 
-  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.5, 0.25, 0.2};
+  e.shield.on = false;
+  e.shield.margin_m = 0.05;
+  e.shield.unshielded_margin_m = 0.2;
+  e.shield.height_separation_m = 0.75;
+  e.shield.look_ahead_s = 1.25;
+  e.shield.breaker = false;
+  e.shield.steps_aside = false;
+  e.shield.multirotor = {0.15, 0.5, 0.2, 3.0, 1.5, 0.8};
+  e.shield.unicycle = {0.12, 0.25, 0.1, 2.0, 1.1, 0.9};
+  e.shield.ground_robot = {0.2, 0.3, 0.05, 1.75, 1.3, 0.6};
+
+  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.25, 0.2};
 
   e.fleet.rate_hz = 4.0;
   e.fleet.assignment = "in_order";
