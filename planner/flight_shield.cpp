@@ -21,6 +21,11 @@ constexpr double kDirected_mps = 0.05;
 // What was said longer ago holds no more.
 constexpr double kOldestWish_s = 0.5;
 
+// Delay and lags may be this many times as long as the experiment file says.
+constexpr double kReserve = 1.5;
+// Of the acceleration that a multirotor's autopilot asks of its attitude loop.
+constexpr double kMostJerk_mps3 = 30.0;
+
 const config::MotionBounds& boundsOf(const config::Shield& shield, const config::Vehicle& vehicle) {
   return vehicle.model == "unicycle"       ? shield.unicycle
          : vehicle.model == "ground_robot" ? shield.ground_robot
@@ -34,6 +39,10 @@ shield::MotionBounds motionBounds(const config::Shield& shield, const config::Ve
   result.delay_s = bounds.delay_s;
   result.lag_s = bounds.lag_s;
   result.inner_lag_s = bounds.inner_lag_s;
+  result.reserve = kReserve;
+  if (vehicle.model == "multirotor") {
+    result.max_jerk_mps3 = kMostJerk_mps3;
+  }
   result.max_acceleration_mps2 = vehicle.max_acceleration_mps2;
   if (bounds.max_turn_rate_radps < kNeedNotTurn_radps) {
     result.max_turn_rate_radps = bounds.max_turn_rate_radps;

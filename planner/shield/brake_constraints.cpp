@@ -23,12 +23,20 @@ constexpr double kRounding_m = 1e-9;
 bool same(const MotionBounds& a, const MotionBounds& b) {
   return a.delay_s == b.delay_s && a.lag_s == b.lag_s && a.inner_lag_s == b.inner_lag_s &&
          a.max_acceleration_mps2 == b.max_acceleration_mps2 &&
-         a.max_turn_rate_radps == b.max_turn_rate_radps;
+         a.max_turn_rate_radps == b.max_turn_rate_radps && a.reserve == b.reserve &&
+         a.max_jerk_mps3 == b.max_jerk_mps3;
+}
+
+// The slowest pace is another one.
+std::span<const Pace> pacesOf(const MotionBounds& bounds) {
+  static constexpr std::array kPaces{Pace::kAssumed, Pace::kSlowest};
+  return std::span(kPaces).first(bounds.reserve > 1.0 ? 2 : 1);
 }
 
 // How far a vehicle gets at most until it stands.
-double farthestReach(const Motion& motion, const MotionBounds& bounds, double max_speed_mps,
+double farthestReach(const Motion& motion, const MotionBounds& assumed, double max_speed_mps,
                      double hold_s) {
+  const MotionBounds bounds = assumed.at(Pace::kSlowest);
   const double speed = std::max(motion.velocity_world_mps.norm(), max_speed_mps);
   const double braking_s =
       bounds.lag_s + bounds.inner_lag_s +
@@ -65,19 +73,25 @@ void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbou
 }
 
 void BrakeConstraints::predictOwn() {
-  if (!per_speed_known_ || !same(ego_->bounds, reach_bounds_)) {
+  if (responses_.empty() || !same(ego_->bounds, reach_bounds_)) {
     reach_bounds_ = ego_->bounds;
-    per_speed_s_ = reachOf(reach_bounds_, parameters_.hold_s);
-    per_speed_known_ = true;
+    responses_.clear();
+    for (const Pace pace : pacesOf(reach_bounds_)) {
+      responses_.push_back({pace, {}, reachOf(reach_bounds_, pace, parameters_.hold_s)});
+    }
   }
   reach_m_ = farthestReach(ego_->motion, ego_->bounds, ego_->max_speed_mps, parameters_.hold_s);
   const SentCommand brake{Vector2d::Zero(), 0.0, parameters_.hold_s};
-  predict(ego_->motion, ego_->bounds, Arrival::kAll, &brake, braking_);
-  own_.assign(braking_.points().begin(), braking_.points().end());
-  for (const Arrival arrival : {Arrival::kAll, Arrival::kLastIsLost}) {
+  own_.clear();
+  for (Response& response : responses_) {
+    const auto addPath = [&](Arrival arrival, const SentCommand* next, Path& path) {
+      predict(ego_->motion, ego_->bounds, response.pace, arrival, next, path);
+      own_.insert(own_.end(), path.points().begin(), path.points().end());
+    };
+    addPath(Arrival::kAll, &brake, response.braking);
     if (!ego_->motion.commands.empty()) {
-      predict(ego_->motion, ego_->bounds, arrival, nullptr, path_);
-      own_.insert(own_.end(), path_.points().begin(), path_.points().end());
+      addPath(Arrival::kAll, nullptr, path_);
+      addPath(Arrival::kLastIsLost, nullptr, path_);
     }
   }
 }
@@ -105,18 +119,20 @@ void BrakeConstraints::addNeighbour(const Neighbour& neighbour) {
   others_.clear();
   double apart_m = ego_->radius_m + neighbour.radius_m + parameters_.margin_m;
   const bool trusted = neighbour.shielded;
-  for (const Arrival arrival : {Arrival::kAll, Arrival::kLastIsLost}) {
-    predict(neighbour.motion, neighbour.bounds, arrival, nullptr, path_);
-    others_.insert(others_.end(), path_.points().begin(), path_.points().end());
-    if (neighbour.motion.commands.empty()) {
-      break;
+  for (const Pace pace : pacesOf(neighbour.bounds)) {
+    for (const Arrival arrival : {Arrival::kAll, Arrival::kLastIsLost}) {
+      predict(neighbour.motion, neighbour.bounds, pace, arrival, nullptr, path_);
+      others_.insert(others_.end(), path_.points().begin(), path_.points().end());
+      if (neighbour.motion.commands.empty()) {
+        break;
+      }
     }
   }
   if (!trusted) {
     const Motion& motion = neighbour.motion;
     const double ahead_s = motion.age_s + parameters_.unshielded_prediction_s;
     others_.push_back(motion.position_world_m + ahead_s * motion.velocity_world_mps +
-                      0.5 * ahead_s * ahead_s * motion.acceleration_world_mps2);
+                      0.5 * ahead_s * ahead_s * motion.drives.front().acceleration_mps2);
     apart_m += parameters_.unshielded_margin_m;
   }
   const double before_m = smallest_gap_m_;
@@ -175,21 +191,31 @@ void BrakeConstraints::addObstacle(const core::Polygon& obstacle) {
 // The own path may come nearer by a share of the usable gap. A command u that is held adds
 // per_speed(t) u to it: linear in u.
 void BrakeConstraints::add(const Vector2d& normal, double usable_m, double share) {
-  const double limit_m = extentAlong(own_, normal) + share * usable_m;
-  const Points braking = braking_.points();
+  const Line line{normal, extentAlong(own_, normal) + share * usable_m};
   double fastest_mps = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < per_speed_s_.size(); ++i) {
-    if (per_speed_s_[i] > kNoReach_s) {
-      const double left_m = limit_m - normal.dot(braking[std::min(i, braking.size() - 1)]);
-      fastest_mps = std::min(fastest_mps, left_m / per_speed_s_[i]);
-      if (i + 1 >= braking.size() && per_speed_s_[i] == per_speed_s_.back()) {
+  for (const Response& response : responses_) {
+    fastest_mps = std::min(fastest_mps, fastest(response, line));
+  }
+  fastest_mps = std::max(fastest_mps, -kRetreatShare * ego_->max_speed_mps);
+  lines_.push_back(line);
+  half_planes_.push_back({-normal, -fastest_mps});
+}
+
+double BrakeConstraints::fastest(const Response& response, const Line& line) const {
+  const Points braking = response.braking.points();
+  const auto& per_speed_s = response.per_speed_s;
+  double fastest_mps = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < per_speed_s.size(); ++i) {
+    if (per_speed_s[i] > kNoReach_s) {
+      const double left_m =
+          line.limit_m - line.normal.dot(braking[std::min(i, braking.size() - 1)]);
+      fastest_mps = std::min(fastest_mps, left_m / per_speed_s[i]);
+      if (i + 1 >= braking.size() && per_speed_s[i] == per_speed_s.back()) {
         break;  // nothing moves any more
       }
     }
   }
-  fastest_mps = std::max(fastest_mps, -kRetreatShare * ego_->max_speed_mps);
-  lines_.push_back({normal, limit_m});
-  half_planes_.push_back({-normal, -fastest_mps});
+  return fastest_mps;
 }
 
 bool BrakeConstraints::rollsOut(const Vector2d& velocity_mps) const {
@@ -197,12 +223,14 @@ bool BrakeConstraints::rollsOut(const Vector2d& velocity_mps) const {
     return true;  // the linear rule is exact
   }
   const SentCommand command{velocity_mps, 0.0, parameters_.hold_s};
-  predict(ego_->motion, ego_->bounds, Arrival::kAll, &command, path_);
-  return std::all_of(lines_.begin(), lines_.end(), [&](const Line& line) {
-    // What braking breaks already, a command must not make worse.
-    const double limit_m =
-        std::max(line.limit_m, extentAlong(braking_.points(), line.normal)) + kRounding_m;
-    return extentAlong(path_.points(), line.normal) <= limit_m;
+  return std::all_of(responses_.begin(), responses_.end(), [&](const Response& response) {
+    predict(ego_->motion, ego_->bounds, response.pace, Arrival::kAll, &command, path_);
+    return std::all_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+      // What braking breaks already, a command must not make worse.
+      const double limit_m =
+          std::max(line.limit_m, extentAlong(response.braking.points(), line.normal)) + kRounding_m;
+      return extentAlong(path_.points(), line.normal) <= limit_m;
+    });
   });
 }
 

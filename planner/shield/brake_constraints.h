@@ -41,6 +41,13 @@ class BrakeConstraints {
     double limit_m;
   };
 
+  /// Of the ego, at one pace.
+  struct Response {
+    Pace pace = Pace::kAssumed;
+    Path braking;                                   // from now on
+    std::array<double, Path::kMost> per_speed_s{};  // of reachOf
+  };
+
   void predictOwn();
   void addNeighbour(const Neighbour& neighbour);
   void addObstacle(const core::Polygon& obstacle);
@@ -51,19 +58,18 @@ class BrakeConstraints {
   bool overlapInHeight(const Neighbour& neighbour) const;
   bool mayMeet(const Neighbour& neighbour) const;
   bool granted(const Eigen::Vector2d& velocity_mps) const;
+  double fastest(const Response& response, const Line& line) const;
   bool rollsOut(const Eigen::Vector2d& velocity_mps) const;
   Eigen::Vector2d slowed(const Eigen::Vector2d& wanted_mps) const;
 
   const ShieldParameters& parameters_;
   const Ego* ego_ = nullptr;
-  Path braking_;                         // from now on
+  std::vector<Response> responses_;
+  MotionBounds reach_bounds_;            // what responses_ are for
   std::vector<Eigen::Vector2d> own_;     // all places of all own paths
   std::vector<Eigen::Vector2d> others_;  // the same of a neighbour
   mutable Path path_;                    // for one call
   double reach_m_ = 0.0;                 // of the ego's centre until it stands
-  MotionBounds reach_bounds_;            // what per_speed_s_ was computed for
-  std::array<double, Path::kMost> per_speed_s_{};
-  bool per_speed_known_ = false;
   std::vector<Line> lines_;
   std::vector<HalfPlane> half_planes_;
   std::size_t first_static_ = 0;

@@ -21,7 +21,7 @@ constexpr std::size_t kCandidates = kDirections * kSpeedShares.size() + 1;
 // In nobody's way nearer than the gap, unless it was as near already.
 bool LookAhead::clear(const Ego& ego, const Scene& scene, const Vector2d& velocity_mps) {
   const SentCommand command{velocity_mps, 0.0, parameters_.look_ahead_s};
-  predict(ego.motion, ego.bounds, Arrival::kAll, &command, path_);
+  predict(ego.motion, ego.bounds, Pace::kAssumed, Arrival::kAll, &command, path_);
   const auto steps = static_cast<std::size_t>(parameters_.look_ahead_s / Path::kStep_s);
   const Points points = path_.points().first(std::min(steps + 1, path_.points().size()));
   for (const Disc& disc : scene.discs()) {

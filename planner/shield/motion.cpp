@@ -30,13 +30,13 @@ double lagShare(double lag_s) { return lag_s > 0.0 ? 1.0 - std::exp(-kStep_s / l
 /// Follows velocity commands step by step, as bounds say.
 class Follower {
  public:
-  Follower(const Motion& motion, const MotionBounds& bounds)
+  Follower(const Motion& motion, const MotionBounds& bounds, Pace pace)
       : bounds_(bounds),
         share_(lagShare(bounds.lag_s)),
         inner_share_(lagShare(bounds.inner_lag_s)),
         position_m_(motion.position_world_m),
         velocity_mps_(motion.velocity_world_mps),
-        acceleration_mps2_(motion.acceleration_world_mps2),
+        drive_(motion.drives[static_cast<std::size_t>(pace)]),
         heading_rad_(motion.heading_world_rad) {}
 
   /// A part, at most the whole, of a step.
@@ -62,11 +62,10 @@ class Follower {
 
  private:
   void track(const Vector2d& command_mps) {
-    const Vector2d wanted =
-        limited((command_mps - velocity_mps_) / bounds_.lag_s, bounds_.max_acceleration_mps2);
     if (bounds_.inner_lag_s > 0.0) {
-      acceleration_mps2_ += part_ * inner_share_ * (wanted - acceleration_mps2_);
-      velocity_mps_ += acceleration_mps2_ * (part_ * kStep_s);
+      follow(wantedAcceleration(command_mps - velocity_mps_, bounds_), bounds_,
+             part_ * inner_share_, part_ * kStep_s, drive_);
+      velocity_mps_ += drive_.acceleration_mps2 * (part_ * kStep_s);
     } else {
       velocity_mps_ += limited(part_ * share_ * (command_mps - velocity_mps_),
                                bounds_.max_acceleration_mps2 * part_ * kStep_s);
@@ -93,7 +92,7 @@ class Follower {
   double inner_share_;
   Vector2d position_m_;
   Vector2d velocity_mps_;
-  Vector2d acceleration_mps2_;
+  Drive drive_;
   double heading_rad_;
 };
 
@@ -144,10 +143,31 @@ class Schedule {
 
 }  // namespace
 
-void predict(const Motion& motion, const MotionBounds& bounds, Arrival arrival,
+MotionBounds MotionBounds::at(Pace pace) const {
+  MotionBounds bounds = *this;
+  if (pace == Pace::kSlowest) {
+    bounds.delay_s *= reserve;
+    bounds.lag_s *= reserve;
+    bounds.inner_lag_s *= reserve;
+  }
+  return bounds;
+}
+
+Vector2d wantedAcceleration(const Vector2d& error_mps, const MotionBounds& bounds) {
+  return limited(error_mps / bounds.lag_s, bounds.max_acceleration_mps2);
+}
+
+void follow(const Vector2d& wanted_mps2, const MotionBounds& bounds, double share, double step_s,
+            Drive& drive) {
+  drive.wanted_mps2 += limited(wanted_mps2 - drive.wanted_mps2, bounds.max_jerk_mps3 * step_s);
+  drive.acceleration_mps2 += share * (drive.wanted_mps2 - drive.acceleration_mps2);
+}
+
+void predict(const Motion& motion, const MotionBounds& assumed, Pace pace, Arrival arrival,
              const SentCommand* next, Path& path) {
   path.clear();
-  Follower follower(motion, bounds);
+  const MotionBounds bounds = assumed.at(pace);
+  Follower follower(motion, bounds, pace);
   const Schedule schedule(motion, bounds, arrival, next);
   double time_s = -motion.age_s;
   while (time_s < -1e-9) {
@@ -168,15 +188,16 @@ void predict(const Motion& motion, const MotionBounds& bounds, Arrival arrival,
   path.add(follower.restingPlace());
 }
 
-std::array<double, Path::kMost> reachOf(const MotionBounds& bounds, double hold_s) {
+std::array<double, Path::kMost> reachOf(const MotionBounds& bounds, Pace pace, double hold_s) {
   std::array<double, Path::kMost> reach{};
   MotionBounds free = bounds;
   free.max_acceleration_mps2 = std::numeric_limits<double>::infinity();
+  free.max_jerk_mps3 = std::numeric_limits<double>::infinity();
   free.max_turn_rate_radps = std::numeric_limits<double>::infinity();
   const Motion motion;
   const SentCommand unit{Vector2d(1.0, 0.0), 0.0, hold_s};
   Path path;
-  predict(motion, free, Arrival::kAll, &unit, path);
+  predict(motion, free, pace, Arrival::kAll, &unit, path);
   for (std::size_t i = 0; i < reach.size(); ++i) {
     reach[i] = path.points()[std::min(i, path.points().size() - 1)].x();
   }

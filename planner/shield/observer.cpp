@@ -14,6 +14,10 @@ constexpr double kForgotten_s = 1.5;
 constexpr std::size_t kMostCommands = 32;
 // Of velocity differences, without known commands.
 constexpr double kFilter_s = 0.15;
+// With them: of the integration between two measurements, and what share of the velocity that it
+// did not foresee was acceleration rather than noise.
+constexpr double kStep_s = 0.01;
+constexpr double kTrust = 0.5;
 
 }  // namespace
 
@@ -41,29 +45,44 @@ void Observer::onState(double measured_s, const Vector2d& position_m, const Vect
   motion_.heading_world_rad = heading_rad;
 }
 
-// The acceleration follows from what the vehicle wants of it: the error of its velocity, which is
-// measured.
 void Observer::estimateAcceleration(double step_s, double measured_s,
                                     const Vector2d& velocity_mps) {
-  Vector2d& acceleration = motion_.acceleration_world_mps2;
   if (!knows_commands_) {
     const Vector2d measured = (velocity_mps - motion_.velocity_world_mps) / step_s;
-    acceleration += (1.0 - std::exp(-step_s / kFilter_s)) * (measured - acceleration);
-    return;
+    for (Drive& drive : motion_.drives) {
+      drive.acceleration_mps2 +=
+          (1.0 - std::exp(-step_s / kFilter_s)) * (measured - drive.acceleration_mps2);
+      drive.wanted_mps2 = drive.acceleration_mps2;
+    }
+  } else if (bounds_.inner_lag_s > 0.0 && bounds_.lag_s > 0.0) {
+    estimateDrive(Pace::kAssumed, step_s, measured_s, velocity_mps);
+    estimateDrive(Pace::kSlowest, step_s, measured_s, velocity_mps);
   }
-  if (bounds_.inner_lag_s <= 0.0 || bounds_.lag_s <= 0.0) {
-    return;
-  }
-  Vector2d wanted = (commandAt(measured_s - 0.5 * step_s) - velocity_mps) / bounds_.lag_s;
-  const double length = wanted.norm();
-  wanted *= std::min(1.0, bounds_.max_acceleration_mps2 / std::max(length, 1e-9));
-  acceleration += (1.0 - std::exp(-step_s / bounds_.inner_lag_s)) * (wanted - acceleration);
 }
 
-Vector2d Observer::commandAt(double time_s) const {
+// The acceleration follows what the vehicle wants of it, by its commands. What has come of it says
+// by how much that is wrong.
+void Observer::estimateDrive(Pace pace, double step_s, double measured_s,
+                             const Vector2d& velocity_mps) {
+  const MotionBounds bounds = bounds_.at(pace);
+  Drive& drive = motion_.drives[static_cast<std::size_t>(pace)];
+  Vector2d velocity = motion_.velocity_world_mps;
+  const int steps = std::clamp(static_cast<int>(std::ceil(step_s / kStep_s - 1e-9)), 1, 100);
+  const double part_s = step_s / steps;
+  const double share = 1.0 - std::exp(-part_s / bounds.inner_lag_s);
+  for (int k = 0; k < steps; ++k) {
+    const Vector2d command = commandAt(measured_s - step_s + (k + 0.5) * part_s, bounds.delay_s);
+    follow(wantedAcceleration(command - velocity, bounds), bounds, share, part_s, drive);
+    velocity += part_s * drive.acceleration_mps2;
+  }
+  const double seen_share = std::min(1.0, step_s / bounds.inner_lag_s);
+  drive.acceleration_mps2 += kTrust * seen_share * (velocity_mps - velocity) / step_s;
+}
+
+Vector2d Observer::commandAt(double time_s, double delay_s) const {
   for (std::size_t i = issued_.size(); i-- > 0;) {
     const double since_s = time_s - issued_[i].at_s;
-    if (since_s >= bounds_.delay_s) {
+    if (since_s >= delay_s) {
       return since_s < issued_[i].valid_for_s ? issued_[i].velocity_mps
                                               : Vector2d(Vector2d::Zero());
     }

@@ -35,7 +35,9 @@ class Observer {
     double valid_for_s;
   };
 
-  Eigen::Vector2d commandAt(double time_s) const;
+  Eigen::Vector2d commandAt(double time_s, double delay_s) const;
+  void estimateDrive(Pace pace, double step_s, double measured_s,
+                     const Eigen::Vector2d& velocity_mps);
   void estimateAcceleration(double step_s, double measured_s, const Eigen::Vector2d& velocity_mps);
 
   MotionBounds bounds_;

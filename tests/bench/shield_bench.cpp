@@ -108,7 +108,9 @@ void shieldedLab(benchmark::State& state) {
   bounds.delay_s = 0.1;
   bounds.lag_s = 1.0 / 3.0;
   bounds.inner_lag_s = 0.15;
+  bounds.reserve = 1.5;
   bounds.max_acceleration_mps2 = 3.0;
+  bounds.max_jerk_mps3 = 30.0;
   queryBehindTheShield(state, shield::ShieldParameters::lab(), bounds);
 }
 BENCHMARK(shieldedLab)->ArgName("others")->Arg(3)->Arg(9)->Arg(19);

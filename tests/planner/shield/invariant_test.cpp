@@ -109,8 +109,8 @@ TEST(ShieldInvariant, HoldsWhereAFifthOfAllMessagesIsLost) {
 
 TEST(ShieldInvariant, HoldsWhereLagAndDelayAreHalfAsMuchAgain) {
   CrowdSettings settings = lab();
-  settings.truth.delay_s *= 1.5;
-  settings.truth.lag_s *= 1.5;
+  settings.assumed.reserve = 1.5;
+  settings.truth = settings.assumed.at(Pace::kSlowest);
   runMany(settings, ShieldParameters::lab(), 10 * kRuns, 30.0);
 }
 
