@@ -41,6 +41,8 @@ struct Options {
   int count = 100;
   std::uint64_t seed = 1;
   std::string rules = "published";
+  std::optional<double> loss;
+  double slower = 1.0;
   std::string mix;
   double mix_share = 0.5;
   bool mix_unshielded = false;
@@ -151,6 +153,11 @@ Evaluation prepare(const Options& options) {
   }
   Evaluation evaluation;
   evaluation.rules = makeRules(options.rules);
+  if ((options.loss || options.slower != 1.0) && !evaluation.rules.lab) {
+    throw core::StartupError("evaluate", "--loss, --slower", "--rules lab", options.rules);
+  }
+  evaluation.rules.loss = options.loss.value_or(evaluation.rules.loss);
+  slowDown(evaluation.rules, options.slower);
   for (const std::string& specification : options.policies) {
     for (const bool shielded : {false, true}) {
       if (options.shield == "both" || shielded == (options.shield == "on")) {
@@ -328,6 +335,11 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
       });
   command->add_option("--seed", options->seed, "Of generated cases and of --mix");
   command->add_option("--rules", options->rules, "published or lab (--list)");
+  command->add_option("--loss", options->loss, "Share of messages lost in the lab; default: 0.05")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--slower", options->slower,
+                      "Lag and delay in the lab, times what the shield assumes; default: 1")
+      ->check(CLI::Range(0.1, 10.0));
   command->add_option("--mix", options->mix, "NAME or NAME:WEIGHTS that some agents run instead");
   command->add_option("--mix-share", options->mix_share, "How many of them, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));

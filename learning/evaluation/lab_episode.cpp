@@ -1,10 +1,12 @@
 #include "learning/evaluation/lab_episode.h"
 
 #include <algorithm>
+#include <bit>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/core/polygon.h"
+#include "common/core/random.h"
 #include "learning/evaluation/episode_record.h"
 #include "planner/planner_core.h"
 #include "sim/mocap_model.h"
@@ -26,12 +28,15 @@ constexpr double kTakeOff_s = 4.0;
 
 using Policies = std::span<const std::unique_ptr<planner::Policy>>;
 
-config::Experiment describe(const Rules& rules, const TestCase& test_case, Policies policies) {
+config::Experiment describe(const Rules& rules, const TestCase& test_case, const Crew& crew) {
+  const Policies policies = crew.policies;
   config::Experiment experiment;
   experiment.file = "lab rules";
   experiment.sim = rules.sim;
   experiment.planner.orca = rules.orca;
   experiment.planner.rate_hz = 1.0 / rules.planning_step_s;
+  experiment.planner.command_valid_s = rules.command_valid_s;
+  experiment.shield = rules.shield;
   Vector2d low = test_case.agents.front().start_m;
   Vector2d high = low;
   const auto include = [&](const Vector2d& point) {
@@ -50,6 +55,7 @@ config::Experiment describe(const Rules& rules, const TestCase& test_case, Polic
     vehicle.top_speed_mps = std::max(vehicle.top_speed_mps, 2.0 * agent.preferred_speed_mps);
     vehicle.height_m = kHeight_m;
     vehicle.start = config::Start{agent.start_m, std::atan2(way.y(), way.x())};
+    vehicle.shielded = crew.isShielded(experiment.vehicles.size());
     if (policies[experiment.vehicles.size()]->needsScan()) {
       vehicle.lidar = config::Lidar();
     }
@@ -68,20 +74,31 @@ config::Experiment describe(const Rules& rules, const TestCase& test_case, Polic
   return experiment;
 }
 
+// Cases differ in their clocks and losses.
+std::uint64_t seedOf(const TestCase& test_case) {
+  return std::bit_cast<std::uint64_t>(test_case.agents.front().start_m.x());
+}
+
 /// Vehicles, cameras and planners on one clock.
 class LabEpisode {
  public:
-  LabEpisode(const Rules& rules, const TestCase& test_case, Policies policies, Trace* trace)
+  LabEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew, Trace* trace)
       : rules_(rules),
-        experiment_(describe(rules, test_case, policies)),
+        experiment_(describe(rules, test_case, crew)),
         world_(experiment_, kStart),
         mocap_(experiment_, world_.stepUs()),
         scanners_(experiment_),
         record_(rules, test_case, trace),
+        random_(seedOf(test_case), "lab"),
         goals_m_(test_case.agents.size()) {
     for (std::size_t i = 0; i < record_.size(); ++i) {
-      planners_.push_back(std::make_unique<planner::PlannerCore>(
-          experiment_, experiment_.vehicles[i].name, policies[i]->twin()));
+      config::Experiment own = experiment_;
+      own.planner.policy = crew.policies[i]->name();
+      own.shield.on = crew.isShielded(i);
+      planners_.push_back(std::make_unique<planner::PlannerCore>(own, experiment_.vehicles[i].name,
+                                                                 crew.policies[i]->twin()));
+      const double period_s = rules.synchronised ? 0.0 : rules.planning_step_s;
+      clock_leads_.push_back(core::toUtime(random_.uniform(0.0, period_s)));
     }
     mocap_.observe(world_.now(), world_.bodies());
     next_frame_ = world_.now();
@@ -119,7 +136,7 @@ class LabEpisode {
 
   void send(std::size_t i, core::GoalPhase phase, const Vector2d& position_m) {
     core::Goal goal;
-    goal.utime = mocap_time_;
+    goal.utime = mocap_time_ + clock_leads_[i];
     goal.vehicle = experiment_.vehicles[i].name;
     goal.goal_id = ++last_goal_;
     goal.position_world_m = Vector3d(position_m.x(), position_m.y(), kHeight_m);
@@ -140,19 +157,50 @@ class LabEpisode {
     }
   }
 
+  // Every planner acts by a clock of its own, and hears most of what is said.
   void plan() {
-    for (const auto& [vehicle, scan] : scanners_.sweep(world_.now(), world_.bodies())) {
-      planners_[vehicle]->onScan(scan);
-    }
-    const core::StatesFrame& frame = mocap_.expose(next_frame_);
+    const auto scans = scanners_.sweep(world_.now(), world_.bodies());
+    frame_ = mocap_.expose(next_frame_);
     mocap_time_ = next_frame_;
     next_frame_ += mocap_.frameIntervalUs();
+    for (const auto& [vehicle, scan] : scans) {
+      core::LaserScan heard = scan;
+      heard.utime += clock_leads_[vehicle];
+      planners_[vehicle]->onScan(heard);
+    }
     for (std::size_t i = 0; i < planners_.size(); ++i) {
-      if (const auto tick = planners_[i]->onFrame(frame)) {
-        world_.accept(i, tick->command);
-        if (flying_ && !record_[i].done()) {
-          record_.noteDecision();
-        }
+      if (random_.chance(rules_.loss)) {
+        continue;
+      }
+      frame_.utime = mocap_time_ + clock_leads_[i];
+      if (const auto tick = planners_[i]->onFrame(frame_)) {
+        send(i, tick->command);
+        note(i, tick->status);
+      }
+    }
+  }
+
+  void send(std::size_t i, core::Command command) {
+    command.utime -= clock_leads_[i];
+    command.state_utime -= clock_leads_[i];
+    if (!random_.chance(rules_.loss)) {
+      world_.accept(i, command);
+    }
+    for (std::size_t j = 0; j < planners_.size(); ++j) {
+      if (j != i && !random_.chance(rules_.loss)) {
+        core::Command heard = command;
+        heard.utime += clock_leads_[j];
+        heard.state_utime += clock_leads_[j];
+        planners_[j]->onOthersCommand(heard);
+      }
+    }
+  }
+
+  void note(std::size_t i, const planner::Status& status) {
+    if (flying_ && !record_[i].done()) {
+      record_.noteDecision();
+      if (status.shield.layer != core::ShieldLayer::kNotAsked) {
+        record_.noteLayer(status.shield.layer);
       }
     }
   }
@@ -205,10 +253,13 @@ class LabEpisode {
   sim::MocapModel mocap_;
   sim::LaserScanners scanners_;
   EpisodeRecord record_;
+  core::RandomStream random_;  // clocks and losses
   std::vector<Vector2d> goals_m_;
   std::vector<bool> touched_ = std::vector<bool>(goals_m_.size(), false);  // since the take-off
   bool flying_ = false;
   std::vector<std::unique_ptr<planner::PlannerCore>> planners_;
+  std::vector<core::Utime> clock_leads_;
+  core::StatesFrame frame_;
   core::Utime next_frame_ = 0;
   core::Utime mocap_time_ = 0;
   std::int64_t last_goal_ = 0;
@@ -219,7 +270,7 @@ class LabEpisode {
 
 EpisodeResult runLabEpisode(const Rules& rules, const TestCase& test_case, const Crew& crew,
                             Trace* trace) {
-  LabEpisode episode(rules, test_case, crew.policies, trace);
+  LabEpisode episode(rules, test_case, crew, trace);
   episode.takeOff();
   flyLegs(test_case, episode.record(),
           [&](std::span<const Vector2d> goals_m) { episode.fly(goals_m); });

@@ -28,12 +28,29 @@ Rules makeRules(const std::string& name) {
     return rules;
   }
   if (name == "lab") {
+    constexpr double kDelay_s = 0.1;  // from the exposure of a frame to the effect of its command
     rules.lab = true;
     rules.body_share = 0.7;
+    rules.loss = 0.05;
+    rules.synchronised = false;
+    rules.command_valid_s = 0.3;
+    rules.sim.multirotor.command_delay_s = kDelay_s - rules.sim.mocap.latency_s;
+    rules.shield.margin_m = 0.03;
+    rules.shield.multirotor.delay_s = kDelay_s;
+    rules.shield.multirotor.lag_s = 1.0 / rules.sim.multirotor.velocity_gain_per_s;
+    rules.shield.multirotor.inner_lag_s = rules.sim.multirotor.attitude_time_constant_s;
     return rules;
   }
   throw core::StartupError("--rules", "name", fmt::format("one of {}", fmt::join(kNames, ", ")),
                            config::quoted(name));
+}
+
+void slowDown(Rules& rules, double factor) {
+  config::MultirotorModel& model = rules.sim.multirotor;
+  const double latency_s = rules.sim.mocap.latency_s;
+  model.velocity_gain_per_s /= factor;
+  model.attitude_time_constant_s *= factor;
+  model.command_delay_s = factor * (model.command_delay_s + latency_s) - latency_s;
 }
 
 std::vector<std::string> Rules::sentences() const {
@@ -44,6 +61,16 @@ std::vector<std::string> Rules::sentences() const {
                        "of noise.",
                        planning_step_s, sim.mocap.rate_hz, 1e3 * sim.mocap.latency_s,
                        1e3 * sim.mocap.position_noise_m),
+           fmt::format("A command takes effect {:.0f} ms after the exposure of the frame that it "
+                       "answers and is valid for {} s; velocities follow with a lag of {:.3f} s. "
+                       "The shield counts on {:.0f} ms and {:.3f} s, and keeps {} m.",
+                       1e3 * (sim.multirotor.command_delay_s + sim.mocap.latency_s),
+                       command_valid_s, 1.0 / sim.multirotor.velocity_gain_per_s,
+                       1e3 * shield.multirotor.delay_s, shield.multirotor.lag_s, shield.margin_m),
+           fmt::format("{}; {} % of all states and commands are lost on the way to each listener.",
+                       synchronised ? "All planners act on the same frames"
+                                    : "Planners are not synchronised",
+                       100.0 * loss),
            "The planner's command law and safety table hold: speed and turn shrink within 2 m of "
            "the goal, position control takes over within 0.3 m."};
   } else {

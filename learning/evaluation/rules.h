@@ -20,6 +20,10 @@ struct Rules {
   bool lab = false;   ///< multirotors, motion capture and planners instead of ideal agents
   config::Orca orca;  ///< ORCA's settings under these rules
   config::Sim sim;    ///< of the lab
+  double loss = 0.0;  ///< of messages: states to a planner, commands to whoever should hear them
+  bool synchronised = true;      ///< all planners of the lab act on the same frames
+  double command_valid_s = 0.3;  ///< in the lab
+  config::Shield shield;         ///< what the lab's shield assumes of vehicles
 
   /// One sentence each, for the report.
   std::vector<std::string> sentences() const;
@@ -29,7 +33,11 @@ struct Rules {
 std::span<const std::string_view> rulesNames();
 
 /// "published": those of the published environment's FullTestSuite (gym-collision-avoidance).
-/// "lab": what this project flies. Throws core::StartupError for an unknown name.
+/// "lab": what this project flies, with messages that get lost. Throws core::StartupError for an
+/// unknown name.
 Rules makeRules(const std::string& name);
+
+/// Vehicles of the lab whose lag and delay are `factor` times what the shield assumes.
+void slowDown(Rules& rules, double factor);
 
 }  // namespace roundabout::learning

@@ -1,4 +1,4 @@
-// What the shield promises under the published rules.
+// What the shield promises under the published rules and those of the lab.
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 namespace roundabout::learning {
 namespace {
 
-EpisodeResult fly(const TestCase& test_case, const std::string& policy, bool shielded) {
-  const Rules rules = makeRules("published");
+EpisodeResult fly(const TestCase& test_case, const std::string& policy, bool shielded,
+                  const Rules& rules = makeRules("published")) {
   planner::PolicyOptions options;
   options.orca = rules.orca;
   std::vector<std::unique_ptr<planner::Policy>> policies;
@@ -64,6 +64,30 @@ TEST(ShieldedEpisode, ALoneAgentFliesTheSameWithAndWithout) {
       EXPECT_EQ(with.layers[0], with.decisions);
     }
   }
+}
+
+TEST(ShieldedEpisode, NobodyCollidesInTheLabWithSlowVehiclesAndLostMessages) {
+  Rules rules = makeRules("lab");
+  rules.loss = 0.2;
+  slowDown(rules, 1.5);
+  GeneratorSettings settings;
+  settings.agents = 6;
+  for (const std::string policy : {"orca", "non_cooperative"}) {
+    for (const TestCase& each : generateCases("mixed", settings, 8, 4)) {
+      EXPECT_EQ(fly(each, policy, true, rules).outcome, Outcome::kAllAtGoal) << policy;
+    }
+  }
+}
+
+TEST(ShieldedEpisode, SomebodyCollidesInTheLabWithoutIt) {
+  GeneratorSettings settings;
+  settings.agents = 6;
+  int collisions = 0;
+  for (const TestCase& each : generateCases("mixed", settings, 8, 4)) {
+    const EpisodeResult result = fly(each, "non_cooperative", false, makeRules("lab"));
+    collisions += result.outcome == Outcome::kCollision ? 1 : 0;
+  }
+  EXPECT_GT(collisions, 4);
 }
 
 }  // namespace
