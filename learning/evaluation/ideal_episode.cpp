@@ -97,7 +97,8 @@ class IdealEpisode {
     }
     const double speed_mps = flown.norm();
     const double across = wanted.x() * flown.y() - wanted.y() * flown.x();
-    if (speed_mps > 0.0 && (wanted.dot(flown) <= 0.0 || std::abs(across) > 1e-9)) {
+    if (speed_mps > 0.0 &&
+        (wanted.dot(flown) <= 0.0 || std::abs(across) > 1e-9 * wanted.norm() * speed_mps)) {
       const double course_rad = std::atan2(flown.y(), flown.x());
       actions_[i] = actionOf(speed_mps, wrappedOnce(course_rad - agent.heading_world_rad));
     } else {
