@@ -20,11 +20,41 @@ elseif(ROUNDABOUT_NATIVE)
   target_compile_options(roundabout_options INTERFACE -march=native)
 endif()
 
+# Headers of other people that most files read are compiled once for programs and once for tests (GCC wants the options
+# of both sides to be the same). Every file still includes what it uses: the dev preset builds without.
+find_package(Threads REQUIRED)
+target_compile_options(roundabout_options INTERFACE -pthread)
+set(ROUNDABOUT_COMMON_HEADERS
+  <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits> <map> <memory> <numbers>
+  <optional> <random> <span> <sstream> <stdexcept> <string> <string_view> <utility> <variant> <vector>
+  <Eigen/Core> <Eigen/Geometry>)
+function(roundabout_precompiled name)
+  if(NOT ROUNDABOUT_PRECOMPILE)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "HEADERS;LINK;OPTIONS" ${ARGN})
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled/${name}.cpp CONTENT "")
+  add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/precompiled/${name}.cpp)
+  target_link_libraries(${name} PRIVATE roundabout_options Eigen3::Eigen ${ARG_LINK})
+  target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
+  target_precompile_headers(${name} PRIVATE ${ROUNDABOUT_COMMON_HEADERS} ${ARG_HEADERS})
+endfunction()
+set(ROUNDABOUT_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
+roundabout_precompiled(roundabout_precompiled)
+roundabout_precompiled(roundabout_test_precompiled HEADERS <gmock/gmock.h> <gtest/gtest.h>
+  LINK GTest::gmock GTest::gtest OPTIONS ${ROUNDABOUT_TEST_OPTIONS})
+function(roundabout_use_precompiled name from)
+  if(ROUNDABOUT_PRECOMPILE)
+    target_precompile_headers(${name} REUSE_FROM ${from})
+  endif()
+endfunction()
+
 # roundabout_library(NAME SOURCES… LINK …): a static library with the house's options.
 function(roundabout_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC roundabout_options ${ARG_LINK})
+  roundabout_use_precompiled(${name} roundabout_precompiled)
 endfunction()
 
 # roundabout_hot_path(NAME): a library whose speed is measured and that gains from -O3.
@@ -37,12 +67,13 @@ function(roundabout_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE roundabout_options ${ARG_LINK})
+  roundabout_use_precompiled(${name} roundabout_precompiled)
 endfunction()
 
-# roundabout_test(NAME SOURCES … LINK … [LABEL unit|contract|system|bench] [TIMEOUT s]): one GoogleTest
+# roundabout_test(NAME SOURCES … LINK … [LABEL unit|contract|system|bench] [TIMEOUT s] [OPTIMIZE]): one GoogleTest
 # program; each of its tests is a test of CTest's own. System tests have an LCM port each, so they may run side by side.
 function(roundabout_test name)
-  cmake_parse_arguments(ARG "LONG" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "LONG;OPTIMIZE" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -52,8 +83,11 @@ function(roundabout_test name)
   add_executable(${name} ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_link_libraries(${name} PRIVATE roundabout_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
-  # Tests are compiled once and run for seconds.
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # Most tests are compiled for longer than they run.
+  if(NOT ARG_OPTIMIZE)
+    target_compile_options(${name} PRIVATE ${ROUNDABOUT_TEST_OPTIONS})
+    roundabout_use_precompiled(${name} roundabout_test_precompiled)
+  endif()
   target_compile_definitions(${name} PRIVATE
     ROUNDABOUT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" ROUNDABOUT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   # One label, since gtest_discover_tests loses all but the first of a list; ctest -L and -LE match a part of it.

@@ -27,7 +27,7 @@ void expectVehicle(const Experiment& experiment, const std::string& path, const 
     for (const Vehicle& vehicle : experiment.vehicles) {
       names.push_back(vehicle.name);
     }
-    refuse(path, fmt::format("a vehicle ({})", fmt::join(names, ", ")), quoted(name));
+    refuse(path, fmt::format("a vehicle ({})", fmt::join(names, ", ")), inQuotes(name));
   }
 }
 
@@ -224,7 +224,7 @@ void checkMission(const Experiment& experiment, const Refuse& refuse) {
     const NamedPoints& glyph = experiment.glyphs[i];
     const std::string path = fmt::format("glyphs[{}]", i);
     if (glyph.name.size() != 1) {
-      refuse(path + ".name", "one character", quoted(glyph.name));
+      refuse(path + ".name", "one character", inQuotes(glyph.name));
     }
     expectPoints(experiment, path + ".points_m", glyph.points_m.size(), refuse);
     for (std::size_t j = 0; j < i; ++j) {

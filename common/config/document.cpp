@@ -74,14 +74,14 @@ YAML::Node with(const YAML::Node& node, std::span<const std::string> steps, cons
   const std::string& step = steps.front();
   if (node.IsScalar()) {
     throw core::StartupError(where, "key", "a path through maps and lists",
-                             fmt::format("{} below the value {}", quoted(step), found(node)));
+                             fmt::format("{} below the value {}", inQuotes(step), found(node)));
   }
   if (node.IsSequence()) {
     const std::optional<std::size_t> index = indexOf(step);
     if (!index || *index >= node.size()) {
       throw core::StartupError(where, "index",
                                fmt::format("a number below {} (it is a list)", node.size()),
-                               quoted(step));
+                               inQuotes(step));
     }
     YAML::Node copy(YAML::NodeType::Sequence);
     for (std::size_t i = 0; i < node.size(); ++i) {
@@ -121,7 +121,7 @@ std::string found(const YAML::Node& node) {
     return "nothing";
   }
   if (node.IsScalar()) {
-    return quoted(node.Scalar());
+    return inQuotes(node.Scalar());
   }
   return node.IsSequence() ? fmt::format("a list of {}", node.size()) : "a map";
 }
@@ -146,7 +146,7 @@ void Document::apply(const std::string& text) {
   const std::vector<std::string> steps = stepsOf(key);
   const std::string where = "--set " + key;
   if (equals == std::string::npos || steps.empty()) {
-    throw core::StartupError("--set", "argument", "KEY=VALUE", quoted(text));
+    throw core::StartupError("--set", "argument", "KEY=VALUE", inQuotes(text));
   }
   const std::string value_text = text.substr(equals + 1);
   const YAML::Node value = value_text.empty()

@@ -51,7 +51,7 @@ void checkStarts(const Experiment& experiment, const Obstacle& obstacle, const s
     if (distance_m < needed_m) {
       refuse(fmt::format("vehicles[{}].start.position_m", i),
              fmt::format("at least {} m (an assumed radius and safety.goal_margin_m) from {} {}",
-                         needed_m, kind, quoted(obstacle.name)),
+                         needed_m, kind, inQuotes(obstacle.name)),
              distance_m < 0.0 ? "a place inside it" : fmt::format("{:.3f} m", distance_m));
     }
   }
@@ -78,7 +78,7 @@ void checkOutlines(const std::vector<Obstacle>& obstacles, const std::string& ke
     for (std::size_t j = 0; j < i; ++j) {
       if (obstacles[j].name == obstacle.name) {
         refuse(path + ".name", "a name of its own",
-               fmt::format("{}, which is {}[{}]'s", quoted(obstacle.name), key, j));
+               fmt::format("{}, which is {}[{}]'s", inQuotes(obstacle.name), key, j));
       }
     }
     if (obstacle.points_m.size() < 3) {

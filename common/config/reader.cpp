@@ -79,7 +79,7 @@ void Reader::finish() const {
     const std::string meant = nearest(key, known_);
     document_.failAt(
         entry.first.Mark(), pathTo(key), anyOf(known_),
-        fmt::format("{}{}", quoted(key),
+        fmt::format("{}{}", inQuotes(key),
                     meant.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", meant)));
   }
 }
@@ -161,7 +161,7 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
   }
   step.verb = bare ? node.Scalar() : node.begin()->first.Scalar();
   if (std::find(kMissionVerbs.begin(), kMissionVerbs.end(), step.verb) == kMissionVerbs.end()) {
-    document_.fail(path, anyOf(kMissionVerbs), quoted(step.verb));
+    document_.fail(path, anyOf(kMissionVerbs), inQuotes(step.verb));
   }
   if (bare) {
     return;

@@ -36,7 +36,7 @@ std::string oneLine(const std::string& text) {
   return text.size() > kLongest ? line + "..." : line;
 }
 
-std::string quoted(const std::string& text) { return '"' + oneLine(text) + '"'; }
+std::string inQuotes(const std::string& text) { return '"' + oneLine(text) + '"'; }
 
 std::string nearest(const std::string& typed, const std::vector<std::string>& known) {
   const auto best = [&](bool within, std::size_t limit) -> std::string {

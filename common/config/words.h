@@ -9,7 +9,7 @@ namespace roundabout::config {
 std::string oneLine(const std::string& text);
 
 /// oneLine in double quotes.
-std::string quoted(const std::string& text);
+std::string inQuotes(const std::string& text);
 
 /// The known word that whoever wrote `typed` may have meant; empty if none is near.
 std::string nearest(const std::string& typed, const std::vector<std::string>& known);

@@ -73,7 +73,7 @@ class Reader {
     }
     const std::vector<std::string_view> titles = cellsOf(line_);
     if (!std::equal(titles.begin(), titles.end(), kColumns.begin(), kColumns.end())) {
-      fail("columns", fmt::format("\"{}\"", fmt::join(kColumns, ",")), config::quoted(line_));
+      fail("columns", fmt::format("\"{}\"", fmt::join(kColumns, ",")), config::inQuotes(line_));
     }
   }
 
@@ -88,7 +88,7 @@ class Reader {
           std::from_chars(cells[i].data(), cells[i].data() + cells[i].size(), row[i]);
       if (error != std::errc() || end != cells[i].data() + cells[i].size() ||
           !std::isfinite(row[i])) {
-        fail(kColumns[i], "a number", config::quoted(std::string(cells[i])));
+        fail(kColumns[i], "a number", config::inQuotes(std::string(cells[i])));
       }
     }
     for (const std::size_t positive : {6u, 7u}) {

@@ -207,7 +207,7 @@ TestCase generateCase(const std::string& kind, const GeneratorSettings& settings
   if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
     throw core::StartupError("--generate", "kind",
                              fmt::format("one of {}", fmt::join(kKinds, ", ")),
-                             config::quoted(kind));
+                             config::inQuotes(kind));
   }
   TestCase result = Generator(settings, random).make(kind);
   result.obstacles = settings.obstacles;

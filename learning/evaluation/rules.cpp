@@ -42,7 +42,7 @@ Rules makeRules(const std::string& name) {
     return rules;
   }
   throw core::StartupError("--rules", "name", fmt::format("one of {}", fmt::join(kNames, ", ")),
-                           config::quoted(name));
+                           config::inQuotes(name));
 }
 
 void slowDown(Rules& rules, double factor) {

@@ -233,7 +233,7 @@ Suite makeSuite(const std::string& name) {
     known.emplace_back(entry.name);
   }
   throw core::StartupError("--suite", "name", fmt::format("one of {}", fmt::join(known, ", ")),
-                           config::quoted(name));
+                           config::inQuotes(name));
 }
 
 }  // namespace roundabout::learning

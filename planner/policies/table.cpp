@@ -40,8 +40,8 @@ const PolicyEntry& entryOf(const std::string& name, const PolicyOptions& options
   const std::string meant = config::nearest(name, known);
   throw core::StartupError(
       options.where, "planner.policy", fmt::format("one of {}", fmt::join(known, ", ")),
-      config::quoted(name) +
-          (meant.empty() ? "" : fmt::format(" (did you mean {}?)", config::quoted(meant))));
+      config::inQuotes(name) +
+          (meant.empty() ? "" : fmt::format(" (did you mean {}?)", config::inQuotes(meant))));
 }
 
 }  // namespace
@@ -71,12 +71,12 @@ std::unique_ptr<Policy> makePolicy(const std::string& specification, const Polic
   if (entry.has_weights && its_options.weights.empty()) {
     throw core::StartupError(options.where, "planner.policy",
                              fmt::format("\"{}:WEIGHTS\"", entry.name),
-                             config::quoted(specification));
+                             config::inQuotes(specification));
   }
   if (!entry.has_weights && colon != std::string::npos) {
     throw core::StartupError(options.where, "planner.policy",
                              fmt::format("\"{}\", which has no weights", entry.name),
-                             config::quoted(specification));
+                             config::inQuotes(specification));
   }
   return entry.make(its_options);
 }
