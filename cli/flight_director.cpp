@@ -30,6 +30,9 @@ void FlightDirector::onEnd(Role role, const std::string& vehicle, bool clean, do
     case Role::kLogger:
       land("the logger died");
       break;
+    case Role::kMocap:
+      land("motion capture ended");
+      break;
   }
 }
 
@@ -52,6 +55,8 @@ void FlightDirector::onStop() { land("stopped by the user"); }
 void FlightDirector::onMissionOver() {
   land("the mission is over and does not end with land", false);
 }
+
+void FlightDirector::onFleetDone() { sim_finished_ = true; }
 
 void FlightDirector::onFailure(const std::string& what) { land("roundabout fly failed: " + what); }
 

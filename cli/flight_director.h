@@ -8,7 +8,7 @@
 namespace roundabout::cli {
 
 /// What a process of a flight is for.
-enum class Role { kLogger, kPlanner, kFleet, kSim };
+enum class Role { kLogger, kPlanner, kFleet, kSim, kMocap };
 
 /// Wall-clock limits, seconds.
 struct DirectorLimits {
@@ -35,6 +35,7 @@ enum class Direction {
 /// | a planner dies            | go on: its vehicle holds and lands by itself, the others go on  |
 /// | fleet dies                | vehicles hold at their goals; land unless a new fleet takes over|
 /// | the logger dies           | land: a flight without a log is no experiment                   |
+/// | motion capture ends       | land; vehicles that see no states do so by themselves           |
 /// | the user stops            | land                                                            |
 /// | the mission ended in air  | land                                                            |
 /// | `fly` itself fails        | land                                                            |
@@ -52,6 +53,8 @@ class FlightDirector {
   void onPlannerHeard(const std::string& vehicle, bool on_floor, double now_s);
   void onStop();
   void onMissionOver();
+  /// The fleet is done, and there is no simulator whose end would say so.
+  void onFleetDone();
   void onFailure(const std::string& what);
 
   Direction decide(double now_s);

@@ -16,6 +16,8 @@
 #include "common/app/stop_signal.h"
 #include "common/bus/lcm_bus.h"
 #include "common/config/experiment_file.h"
+#include "common/config/keys.h"
+#include "mocap_bridge/sources/sockets.h"
 
 namespace roundabout::cli {
 
@@ -26,6 +28,7 @@ constexpr int kInterrupted = 130;
 struct FlyOptions {
   std::string file;
   bool real_time = false;
+  std::string mocap;  ///< protocol of an emulated motion-capture system
   std::string policy;
   std::optional<std::uint64_t> seed;
   std::string shield;  // on or off; empty: as the file says
@@ -35,9 +38,27 @@ struct FlyOptions {
   bool no_report = false;
 };
 
+// The bridge listens to this machine, on ports that nobody else uses.
+std::vector<std::string> emulationOverrides(const std::string& protocol) {
+  const auto free_port = [] {
+    return mocap_bridge::UdpSocket("a free port", {mocap_bridge::kLoopback, 0}).port();
+  };
+  return {"source=" + protocol,
+          "mocap.server=127.0.0.1",
+          "mocap.interface=127.0.0.1",
+          "mocap.bodies=[]",
+          "mocap.axes=auto",
+          fmt::format("mocap.command_port={}", free_port()),
+          fmt::format("mocap.data_port={}", free_port())};
+}
+
 std::vector<std::string> allOverrides(const FlyOptions& options) {
   std::vector<std::string> overrides = options.overrides;
-  if (options.real_time) {
+  if (!options.mocap.empty()) {
+    const std::vector<std::string> emulation = emulationOverrides(options.mocap);
+    overrides.insert(overrides.end(), emulation.begin(), emulation.end());
+  }
+  if (options.real_time || !options.mocap.empty()) {
     overrides.emplace_back("sim.pacing=real_time");
   }
   if (!options.policy.empty()) {
@@ -60,6 +81,9 @@ std::string commandLine(const FlyOptions& options, const config::Experiment& exp
   if (options.real_time) {
     line += " --real-time";
   }
+  if (!options.mocap.empty()) {
+    line += " --mocap " + options.mocap;
+  }
   for (const std::string& override_text : options.overrides) {
     line += " --set '" + override_text + "'";
   }
@@ -71,20 +95,29 @@ FlightPlan planOf(const FlyOptions& options) {
   plan.experiment = config::readExperiment(options.file, allOverrides(options));
   plan.lcm_url =
       bus::resolveUrl(options.lcm_url.empty() ? plan.experiment.lcm_url : options.lcm_url);
+  plan.emulate_mocap = !options.mocap.empty();
   plan.command_line = commandLine(options, plan.experiment);
   plan.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   return plan;
 }
 
-FlightResult superviseFlight(FlightPlan& plan, const std::string& folder, Console& console) {
+// Where the states come from, for the first line.
+std::string statesOf(const FlightPlan& plan) {
+  if (plan.emulate_mocap) {
+    return "real_time through emulated " + plan.experiment.source;
+  }
+  return plan.experiment.source == "sim" ? plan.experiment.sim.pacing : plan.experiment.source;
+}
+
+FlightResult superviseFlight(FlightPlan& plan, const FlyOptions& options, Console& console) {
   app::StopSignal stop;
   requireNobodyFlies(plan.experiment, plan.lcm_url);
   bus::LcmBus bus(plan.lcm_url);
-  plan.folder = makeFlightFolder(plan.experiment, folder);
+  plan.folder = makeFlightFolder(plan.experiment, options.folder);
   console.say(fmt::format("{}: {} vehicles, {} {} shield, {}, seed {}", plan.experiment.name,
                           plan.experiment.vehicles.size(), plan.experiment.planner.policy,
-                          plan.experiment.shield.on ? "behind a" : "without a",
-                          plan.experiment.sim.pacing, plan.experiment.seed));
+                          plan.experiment.shield.on ? "behind a" : "without a", statesOf(plan),
+                          plan.experiment.seed));
   return Supervisor(plan, bus, stop, console).run();
 }
 
@@ -92,7 +125,7 @@ int fly(const FlyOptions& options) {
   standWithoutTerminal();
   FlightPlan plan = planOf(options);
   Console console;
-  const FlightResult result = superviseFlight(plan, options.folder, console);
+  const FlightResult result = superviseFlight(plan, options, console);
   // Nothing flies any more: from here on Ctrl-C ends the program, as it does any other.
   const bool good = reportFlight(plan, result, !options.no_report, console);
   if (result.interrupted) {
@@ -108,6 +141,12 @@ void addFlyCommand(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FlyOptions>();
   command->add_option("file", options->file, "Experiment file (YAML)")->required();
   command->add_flag("--real-time", options->real_time, "As sim.pacing=real_time");
+  command
+      ->add_option(
+          "--mocap", options->mocap,
+          "Simulated vehicles are seen through this emulated motion-capture system, in real "
+          "time")
+      ->check(CLI::IsMember(std::vector<std::string>(config::kMocapProtocols)));
   command->add_option("--policy", options->policy, "NAME or NAME:WEIGHTS, as planner.policy");
   command->add_option("--seed", options->seed, "As seed");
   command->add_option("--shield", options->shield, "As shield.on")

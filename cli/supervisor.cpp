@@ -36,7 +36,7 @@ std::vector<std::string> namesOf(const config::Experiment& experiment) {
 
 DirectorLimits limitsOf(const config::Experiment& experiment) {
   DirectorLimits limits;
-  if (experiment.sim.pacing == "lockstep") {
+  if (experiment.source == "sim" && experiment.sim.pacing == "lockstep") {
     limits.landing_s = kLockstepLanding_s;
   }
   return limits;
@@ -52,6 +52,8 @@ const char* consequence(Role role) {
       return "vehicles hold at their goals; all land unless a new fleet is started";
     case Role::kSim:
       return "nothing flies any more";
+    case Role::kMocap:
+      return "without states vehicles hold, then land by themselves";
   }
   return "";
 }
@@ -85,7 +87,28 @@ Supervisor::Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Co
     start(Role::kPlanner, "planner", vehicle);
   }
   start(Role::kFleet, "fleet", "");
-  start(Role::kSim, "sim", "");
+  startStates();
+}
+
+// The simulator, a motion-capture system, or one that is emulated, with the simulator behind it.
+void Supervisor::startStates() {
+  const config::Experiment& experiment = plan_.experiment;
+  if (experiment.source == "sim") {
+    start(Role::kSim, "sim", "");
+    return;
+  }
+  if (plan_.emulate_mocap) {
+    startRaw(Role::kMocap, "", "emulator",
+             {(plan_.programs / "roundabout").string(), "mocap", "emulate", experiment.source,
+              "--scene", "sim", "--lcm-url", plan_.lcm_url, "--rate",
+              fmt::format("{}", experiment.sim.mocap.rate_hz), "--command-port",
+              std::to_string(experiment.mocap.command_port), "--data-port",
+              std::to_string(experiment.mocap.data_port)});
+  }
+  start(Role::kMocap, "mocap_bridge", "");
+  if (plan_.emulate_mocap) {
+    start(Role::kSim, "sim", "", {"--scene"});
+  }
 }
 
 FlightResult Supervisor::run() {
@@ -140,6 +163,10 @@ Direction Supervisor::direct() {
   if (monitor_->missionOver()) {
     director_.onMissionOver();
   }
+  const bool simulated = plan_.experiment.source == "sim" || plan_.emulate_mocap;
+  if (!simulated && monitor_->missionEnded()) {
+    director_.onFleetDone();
+  }
   const Direction direction = director_.decide(wallSeconds());
   if (direction == Direction::kLand) {
     orderLanding();
@@ -147,14 +174,24 @@ Direction Supervisor::direct() {
   return direction;
 }
 
-void Supervisor::start(Role role, const std::string& program, const std::string& vehicle) {
-  ProcessCommand command;
-  command.name = vehicle.empty() ? program : program + "_" + vehicle;
-  command.arguments = {(plan_.programs / program).string(), "--config",
-                       plan_.experimentFile().string(), "--lcm-url", plan_.lcm_url};
+void Supervisor::start(Role role, const std::string& program, const std::string& vehicle,
+                       const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {(plan_.programs / program).string(), "--config",
+                                        plan_.experimentFile().string(), "--lcm-url",
+                                        plan_.lcm_url};
   if (!vehicle.empty()) {
-    command.arguments.insert(command.arguments.end(), {"--vehicle", vehicle});
+    arguments.insert(arguments.end(), {"--vehicle", vehicle});
   }
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  startRaw(role, vehicle, vehicle.empty() ? program : program + "_" + vehicle,
+           std::move(arguments));
+}
+
+void Supervisor::startRaw(Role role, const std::string& vehicle, const std::string& name,
+                          std::vector<std::string> arguments) {
+  ProcessCommand command;
+  command.name = name;
+  command.arguments = std::move(arguments);
   command.output_file = plan_.folder / "logs" / (command.name + ".log");
   processes_.push_back(std::make_unique<ChildProcess>(std::move(command)));
   children_.push_back({role, vehicle, processes_.back().get()});

@@ -25,6 +25,7 @@ struct FlightPlan {
   std::filesystem::path folder;    ///< has experiment.yaml in it
   std::filesystem::path programs;  ///< where sim, planner and fleet are
   std::string command_line;        ///< for the reader of the report
+  bool emulate_mocap = false;      ///< of the experiment's source, with the simulator behind it
 
   std::filesystem::path logFile() const { return folder / "flight.lcm"; }
   /// The experiment with all overrides, as the processes read it.
@@ -70,7 +71,12 @@ class Supervisor {
   };
 
   bool flying() const { return first_state_s_.has_value(); }
-  void start(Role role, const std::string& program, const std::string& vehicle);
+  /// With --config and --lcm-url, and more.
+  void start(Role role, const std::string& program, const std::string& vehicle,
+             const std::vector<std::string>& more = {});
+  void startRaw(Role role, const std::string& vehicle, const std::string& name,
+                std::vector<std::string> arguments);
+  void startStates();
   void listen();
   Direction direct();
   void reap();

@@ -6,6 +6,7 @@
 
 #include "common/app/real_time.h"
 #include "common/bus/lcm_bus.h"
+#include "common/bus/messages.h"
 #include "common/core/error.h"
 #include "mocap_bridge/state_publisher.h"
 #include "sim/lockstep_pacing.h"
@@ -33,13 +34,18 @@ void logReport(const SimNode& node, Clock::time_point begin) {
 
 }  // namespace
 
-int runSim(const SimOptions& /*options*/, app::Context& context) {
+int runSim(const SimOptions& options, app::Context& context) {
   const config::Experiment& experiment = context.experiment;
-  if (experiment.source != "sim") {
+  if (experiment.source != "sim" && !options.scene) {
     throw core::StartupError(experiment.file, "source", "sim", experiment.source);
   }
+  if (options.scene && experiment.sim.pacing != "real_time") {
+    throw core::StartupError(experiment.file, "sim.pacing",
+                             "real_time, which --scene and the system behind it need",
+                             experiment.sim.pacing);
+  }
   const auto stop = [&context] { return context.stop.requested(); };
-  {
+  if (!options.scene) {
     bus::LcmBus listener(context.lcm_url);
     mocap_bridge::requireSolePublisher(listener, context.lcm_url, kListenBeforeTalking);
   }
@@ -59,7 +65,8 @@ int runSim(const SimOptions& /*options*/, app::Context& context) {
     logReport(node, begin);
   } else {
     app::requestLockedMemory();
-    SimNode node(experiment, bus, RealTimePacing::firstUtime(experiment.sim.mocap.rate_hz));
+    SimNode node(experiment, bus, RealTimePacing::firstUtime(experiment.sim.mocap.rate_hz),
+                 options.scene ? bus::kSceneChannel : bus::kStatesChannel);
     RealTimePacing pacing(bus);
     const auto begin = Clock::now();
     pacing.run(node, stop);

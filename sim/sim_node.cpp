@@ -24,7 +24,8 @@ std::vector<std::string> namesOf(const config::Experiment& experiment) {
 
 }  // namespace
 
-SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime)
+SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime,
+                 const std::string& channel)
     : experiment_(experiment),
       first_utime_(first_utime),
       next_utime_(first_utime),
@@ -32,7 +33,8 @@ SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utim
       mocap_(experiment, world_.stepUs()),
       scanners_(experiment),
       bus_(bus),
-      publisher_(bus, namesOf(experiment)) {
+      publisher_(bus, namesOf(experiment), channel),
+      scene_(channel == bus::kSceneChannel) {
   mocap_.observe(world_.now(), world_.bodies());
   const auto on_error = [this](const bus::DecodeError& error) {
     rejections_.add(error.channel, error.reason);
@@ -83,7 +85,7 @@ const char* SimNode::refusalOf(const roundabout_msgs::fleet_status_t& message) c
   if (message.utime < std::max(first_utime_, last_fleet_status_)) {
     return "older than this flight or its last status";
   }
-  const core::Utime newest = next_utime_ - frameIntervalUs();
+  const core::Utime newest = next_utime_ - (scene_ ? 0 : frameIntervalUs());
   return message.utime <= newest ? nullptr : "newer than the newest frame";
 }
 

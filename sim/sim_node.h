@@ -4,6 +4,7 @@
 #include <span>
 
 #include "common/bus/bus.h"
+#include "common/bus/messages.h"
 #include "common/config/experiment.h"
 #include "common/core/vehicle_state.h"
 #include "mocap_bridge/state_publisher.h"
@@ -31,7 +32,9 @@ class SimNode {
   };
 
   /// Frame k has utime first_utime + k frame intervals. Throws core::StartupError as World.
-  SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime);
+  /// States go out on `channel`.
+  SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime,
+          const std::string& channel = bus::kStatesChannel);
 
   /// Advances the world to the time at which the next frame goes out. The commands that are handled
   /// until the next call reach their vehicles at that time.
@@ -73,6 +76,9 @@ class SimNode {
   std::span<const LaserScanners::Sweep> sweeps_;  // that go out before the next frame
   bus::Bus& bus_;
   mocap_bridge::StatePublisher publisher_;
+  // Seen through a motion-capture system, frames come back with stamps that are right to a part of
+  // their interval.
+  const bool scene_;
   Rejections rejections_;
   std::int64_t skipped_frames_ = 0;
   std::size_t logged_contacts_ = 0;

@@ -1,0 +1,142 @@
+// The bridge as a process: emulated systems in front of it, LCM behind it.
+
+#include <algorithm>
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/reference.h"
+#include "tests/system/mocap_lab.h"
+
+namespace roundabout::test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+void expectHouseConventions(const std::vector<roundabout_msgs::vehicle_states_t>& messages) {
+  ASSERT_GT(messages.size(), 150U);
+  std::vector<std::int64_t> intervals;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    const auto& message = messages[i];
+    ASSERT_EQ(message.num_vehicles, 2);
+    EXPECT_EQ(message.exposure_utime, message.utime);
+    for (int k = 0; k < 2; ++k) {
+      const auto& state = message.vehicles[static_cast<std::size_t>(k)];
+      EXPECT_EQ(state.name, "hex" + std::to_string(k + 1));
+      double norm = 0.0;
+      for (const double part : state.orientation) {
+        norm += part * part;
+      }
+      EXPECT_NEAR(norm, 1.0, 1e-9);
+      EXPECT_EQ(state.last_seen == message.utime, state.tracked != 0);
+      EXPECT_FALSE(state.tracked != 0 && state.predicted != 0);
+    }
+    if (i > 0) {
+      EXPECT_GT(message.utime, messages[i - 1].utime);
+      EXPECT_GT(message.frame_number, messages[i - 1].frame_number);
+      intervals.push_back((message.utime - messages[i - 1].utime) /
+                          (message.frame_number - messages[i - 1].frame_number));
+    }
+  }
+  std::nth_element(intervals.begin(),
+                   intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2),
+                   intervals.end());
+  EXPECT_NEAR(static_cast<double>(intervals[intervals.size() / 2]), 5000.0, 50.0);
+}
+
+TEST_F(MocapLab, BridgeAndSimulatorCannotBeToldApart) {
+  auto& sim = start("sim", {"--config", twoSwap("sim: {pacing: real_time}\n"), "--lcm-url", url()});
+  waitUntil("the simulator", [&] { return heard().frames > 20; });
+  const Traffic simulated = listen(1.5);
+  sim.signal(SIGTERM);
+  finish(sim);
+
+  startEmulator("natnet", {"--bodies", "2"});
+  start("mocap_bridge", {"--config", twoSwap(labFile("natnet")), "--lcm-url", url()});
+  const int before = heard().frames;
+  waitUntil("the bridge", [&] {
+    return heard().frames > before + 20 && heard().states.vehicles.at(1).tracked != 0;
+  });
+  const Traffic bridged = listen(1.5);
+
+  EXPECT_EQ(simulated.channels, bridged.channels);
+  EXPECT_EQ(simulated.fingerprints, bridged.fingerprints);
+  {
+    SCOPED_TRACE("simulator");
+    expectHouseConventions(simulated.messages);
+  }
+  SCOPED_TRACE("bridge");
+  expectHouseConventions(bridged.messages);
+}
+
+TEST_F(MocapLab, SaysThatNobodyAnswersAndGoesOnOnceSomebodyDoes) {
+  auto& bridge =
+      start("mocap_bridge", {"--config", twoSwap(labFile("natnet")), "--lcm-url", url()});
+  waitUntil("a word on the missing server", [&] {
+    return testing::Value(bridge.lastLines(5), Contains(HasSubstr("no answer from Motive")));
+  });
+  startEmulator("natnet", {"--bodies", "1"});
+  waitUntil("frames", [&] { return heard().frames > 100; });
+  EXPECT_TRUE(heard().states.vehicles.at(0).tracked);
+  waitUntil("a word on the missing body", [&] {
+    return testing::Value(
+        bridge.lastLines(20),
+        Contains(HasSubstr("streams no body hex2 (mocap.bodies); it streams hex1")));
+  });
+}
+
+TEST_F(MocapLab, WrongSettingsEndTheStart) {
+  const auto error = [&](const std::string& file) {
+    const Ended ended = run("mocap_bridge", {"--config", file, "--lcm-url", url()});
+    EXPECT_EQ(ended.status.code, 2);
+    return ended.lines.empty() ? "" : ended.lines.back();
+  };
+  EXPECT_THAT(error(twoSwap()), HasSubstr("source"));
+  EXPECT_THAT(error(twoSwap(labFile("natnet", ", axes: 'x,z,y'"))), HasSubstr("mirror image"));
+  EXPECT_THAT(error(twoSwap("source: natnet\nmocap: {interface: eth99}\n")),
+              HasSubstr("an interface of this machine (lo 127.0.0.1"));
+  EXPECT_THAT(error(twoSwap("source: qualisys\n")), HasSubstr("mocap.server"));
+  EXPECT_THAT(error(twoSwap("source: replay\nmocap: {file: nowhere.bin}\n")),
+              HasSubstr("nowhere.bin"));
+}
+
+TEST_F(MocapLab, DecodePrintsEveryRecordedFrame) {
+  const auto capture = referenceFolder() / "mocap/natnet_v3_mje-nz/extracted/datagrams.bin";
+  if (!std::filesystem::exists(capture)) {
+    GTEST_SKIP() << "the captured packets are not beside the project";
+  }
+  const Ended ended =
+      run("roundabout", {"mocap", "decode", "--protocol", "natnet", capture.string()});
+  EXPECT_EQ(ended.status.code, 0);
+  int frames = 0;
+  nlohmann::json last;
+  for (const std::string& line : ended.lines) {
+    const auto json = nlohmann::json::parse(line);
+    if (json["type"] == "frame") {
+      ++frames;
+      last = json;
+    }
+  }
+  EXPECT_EQ(frames, 518);
+  EXPECT_EQ(last["frame"], 163'251);
+  EXPECT_EQ(last["bodies"][0]["name"], "RaceQuad") << "as the model definition among them says";
+  EXPECT_EQ(last["bodies"][0]["quaternion_xyzw"].size(), 4U);
+}
+
+TEST_F(MocapLab, WhatIsRecordedIsReplayed) {
+  startEmulator("natnet", {"--bodies", "2"});
+  const std::string packets = (scratch_ / "lab.packets").string();
+  const Ended recorded = run("roundabout", {"mocap", "record", twoSwap(labFile("natnet")), "-o",
+                                            packets, "--seconds", "1.5"});
+  ASSERT_EQ(recorded.status.code, 0);
+  const std::string file = twoSwap("source: replay\nmocap: {file: " + packets + ", speed: 4}\n");
+  const Ended replayed = run("mocap_bridge", {"--config", file, "--lcm-url", url()});
+  EXPECT_EQ(replayed.status.code, 0);
+  EXPECT_GT(heard().frames, 200);
+  EXPECT_TRUE(heard().states.vehicles.at(1).tracked);
+}
+
+}  // namespace
+}  // namespace roundabout::test
