@@ -106,7 +106,7 @@ TEST_F(Evaluate, RefusesWhatIsWrongInOneLine) {
   expectRefusal({"--policy", "orca", "--suite", "preset"}, "--suite: name");
   expectRefusal({"--policy", "orca", "--suite", "presets", "--rules", "my"}, "--rules: name");
   expectRefusal({"--policy", "orca"}, "--suite, --cases, --generate");
-  expectRefusal({"--suite", "presets"}, "--policy");
+  expectRefusal({"--policy", "cadrl", "--suite", "presets"}, "cadrl:WEIGHTS");
   expectRefusal({"--policy", "ga3c_cadrl:/no/such.safetensors", "--suite", "presets"},
                 "/no/such.safetensors");
   expectRefusal({"--policy", "orca", "--suite", "presets", "--draw", "7"}, "--draw");
@@ -120,7 +120,7 @@ TEST_F(Evaluate, RefusesWhatIsWrongInOneLine) {
 TEST_F(Evaluate, ListsWhatThereIs) {
   const Ended ended = run("roundabout", {"evaluate", "--list"});
   EXPECT_TRUE(ended.status.clean());
-  for (const char* word : {"ga3c_cadrl:WEIGHTS", "random500", "published", "lab"}) {
+  for (const char* word : {"ga3c_cadrl[:WEIGHTS]", "random500", "published", "lab"}) {
     EXPECT_THAT(ended.lines, Contains(HasSubstr(word)));
   }
 }

@@ -51,7 +51,7 @@ TEST_F(ReplayCommand, PlaysEveryMessageToAListener) {
 
 TEST_F(ReplayCommand, RefusesToPlayOverAFlight) {
   start("roundabout",
-        {"replay", log(), "--from", "0.7", "--speed", "0.1", "--loop", "--lcm-url", url()});
+        {"replay", log(), "--from", "0.2", "--speed", "0.1", "--loop", "--lcm-url", url()});
   waitUntil("states", [&] { return heard().frames > 10; });
   const Ended second = replay({"--lcm-url", url()});
   EXPECT_EQ(second.status.code, 2);

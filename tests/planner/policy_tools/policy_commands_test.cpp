@@ -121,7 +121,7 @@ TEST_F(PolicyCommands, InfoRefusesWhatNoPolicyAccepts) {
   CaptureStdout();
   const std::string error = test::startupErrorOf([this] { run("policy info " + weights_); });
   EXPECT_THAT(GetCapturedStdout(), HasSubstr("another"));
-  EXPECT_THAT(error, HasSubstr("metadata architecture: expected \"ga3c_cadrl_lstm\" or"));
+  EXPECT_THAT(error, HasSubstr("metadata architecture: expected one of ga3c_cadrl_lstm, "));
 }
 
 TEST_F(PolicyCommands, QueryFailsAtTheEndWhenALineWasBad) {
