@@ -89,7 +89,7 @@ double closestGapM(const logs::Flight& flight) {
 }
 
 TEST_F(Fault, AKilledPlannersVehicleLandsAndTheOtherGoesOn) {
-  cli::ChildProcess& flight = startSwap("fleet: {step_timeout_s: 8.0}\n");
+  cli::ChildProcess& flight = startSwap("fleet: {step_timeout_s: 14.0}\n");
   killProcess({"planner", "hex2"});
   waitUntil("hex1 at its goal",
             [this] { return heard().fleet.vehicles.at(0).at_goal && heightOf("hex1") > 0.5; });
