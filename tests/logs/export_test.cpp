@@ -16,6 +16,7 @@
 #include "logs/files.h"
 #include "tests/logs/log_writer.h"
 #include "tests/logs/synthetic_flight.h"
+#include "tests/support/npm.h"
 #include "tests/support/scratch_folder.h"
 
 namespace roundabout::logs {
@@ -208,32 +209,25 @@ TEST_F(Export, CompareSaysWhereFlightsPart) {
   EXPECT_THAT(toText(difference, 0.01), HasSubstr("2.055 s"));
 }
 
-/// What Foxglove's own reader says about a file; skips the test without npm or its registry.
+/// What Foxglove's own reader says about a file; skips the test where it is not to be had.
 class Mcap : public Export {
  protected:
-  static std::filesystem::path modules() {
-    return std::filesystem::path(ROUNDABOUT_BIN_DIR).parent_path() / "tests" / "npm";
-  }
   void SetUp() override {
-    const std::string core = (modules() / "node_modules/@mcap/core/package.json").string();
-    if (!std::filesystem::exists(core)) {
-      std::filesystem::create_directories(modules());
-      const std::string install = "npm install --no-audit --no-fund --prefix '" +
-                                  modules().string() + "' @mcap/core@2.2.2 >/dev/null 2>&1";
-      if (std::system(install.c_str()) != 0) {
-        GTEST_SKIP() << "npm cannot install @mcap/core: no npm, or no registry to be reached";
-      }
+    if (!mcap_core_.problem.empty()) {
+      GTEST_SKIP() << mcap_core_.problem;
     }
   }
 
   nlohmann::json readWithMcapCore(const std::string& file) const {
     const std::string out = folder_.file("mcap.json");
-    const std::string command = "NODE_PATH='" + (modules() / "node_modules").string() +
+    const std::string command = "NODE_PATH='" + mcap_core_.modules.string() +
                                 "' node '" ROUNDABOUT_SOURCE_DIR "/tests/logs/read_mcap.js' '" +
                                 file + "' > '" + out + "'";
     EXPECT_EQ(std::system(command.c_str()), 0);
     return nlohmann::json::parse(readFile(out));
   }
+
+  const test::NpmPackage mcap_core_ = test::npmPackage("@mcap/core", "2.2.2");
 };
 
 TEST_F(Mcap, OfAFlightIsReadWholeByMcapCore) {

@@ -1,9 +1,8 @@
 // What takes a network, or flies in real time.
 
-#include <cstdlib>
-
 #include <gmock/gmock.h>
 
+#include "tests/support/npm.h"
 #include "tests/system/mocap_lab.h"
 
 namespace roundabout::test {
@@ -13,16 +12,9 @@ using testing::Contains;
 using testing::HasSubstr;
 
 TEST_F(MocapLab, TheVendorsOwnClientReadsOurQtm) {
-  if (std::system("command -v npm node >/dev/null 2>&1") != 0) {
-    GTEST_SKIP() << "npm is missing: apt-get install npm";
-  }
-  const std::string folder = scratch_.path().string();
-  const std::string install =
-      "cd " + folder +
-      " && npm install --ignore-scripts --no-audit --no-fund qualisys-rt@0.3.1 "
-      ">npm.log 2>&1";
-  if (std::system(install.c_str()) != 0) {
-    GTEST_SKIP() << "npm cannot fetch qualisys-rt (offline?)";
+  const NpmPackage client = npmPackage("qualisys-rt", "0.3.1");
+  if (!client.problem.empty()) {
+    GTEST_SKIP() << client.problem;
   }
   startEmulator("qualisys", {"--bodies", "2"});
   write("client.js", R"(
@@ -39,7 +31,8 @@ api.connect(Number(process.argv[2]), '127.0.0.1')
   .then((bodies) => { names = bodies.map((body) => body.name); return api.streamFrames({components: ['6D'], frequency: 'AllFrames'}); })
   .catch((error) => { console.log('failed: ' + error); process.exit(1); });
 )");
-  const Ended ended = run("node", {folder + "/client.js", std::to_string(command_port_)});
+  const Ended ended = run("env", {"NODE_PATH=" + client.modules.string(), "node", scratch_.file("client.js"),
+                                   std::to_string(command_port_)});
   ASSERT_FALSE(ended.lines.empty());
   EXPECT_THAT(ended.lines, Contains(HasSubstr("hex1")));
 }
