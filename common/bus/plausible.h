@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <span>
 
+#include "roundabout_msgs/agent_tracks_t.hpp"
 #include "roundabout_msgs/fleet_status_t.hpp"
+#include "roundabout_msgs/image_t.hpp"
 #include "roundabout_msgs/mission_t.hpp"
+#include "roundabout_msgs/occupancy_t.hpp"
 #include "roundabout_msgs/planar_lidar_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 #include "roundabout_msgs/vehicle_states_t.hpp"
@@ -43,6 +46,9 @@ inline constexpr CountField kVehicleStates[] = {{32, 119}};
 inline constexpr CountField kPlannerStatus[] = {{16, 4}};
 inline constexpr CountField kMission[] = {{16, 24}};
 inline constexpr CountField kPlanarLidar[] = {{16, 4}};  // and one behind the first array
+inline constexpr CountField kAgentTracks[] = {{16, 85}};
+inline constexpr CountField kOccupancy[] = {{16, 1}};
+inline constexpr CountField kImage[] = {{32, 1}};  // and more behind the first array
 inline constexpr CountField kFleetStatus[] = {{16, 48}, {20, 5}};
 }  // namespace count_fields
 
@@ -62,6 +68,16 @@ inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::fleet
 template <>
 inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::planar_lidar_t>{
     count_fields::kPlanarLidar};
+
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::agent_tracks_t>{
+    count_fields::kAgentTracks};
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::occupancy_t>{
+    count_fields::kOccupancy};
+template <>
+inline constexpr std::span<const CountField> kCountFields<roundabout_msgs::image_t>{
+    count_fields::kImage};
 
 /// True if every count could fit into the payload.
 template <class Message>
@@ -90,6 +106,31 @@ inline bool plausibleCounts<roundabout_msgs::planar_lidar_t>(std::span<const std
     offset += 4 + count * sizeof(float);
   }
   return offset <= payload.size();
+}
+
+/// The layout is libbot2's: the counts of the metadata stand one behind the other.
+template <>
+inline bool plausibleCounts<roundabout_msgs::image_t>(std::span<const std::byte> payload) {
+  std::uint64_t offset = count_fields::kImage[0].offset;
+  // Moves behind a count and so many bytes; false at the end of the payload.
+  const auto skip = [&] {
+    if (payload.size() < offset + 4) {
+      return false;
+    }
+    offset += 4 + bigEndian(payload, static_cast<std::size_t>(offset), 4);
+    return offset <= payload.size();
+  };
+  if (!skip() || payload.size() < offset + 4) {
+    return false;
+  }
+  const std::uint64_t entries = bigEndian(payload, static_cast<std::size_t>(offset), 4);
+  offset += 4;
+  for (std::uint64_t i = 0; i < entries; ++i) {
+    if (!skip() || !skip()) {  // key, value
+      return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace roundabout::bus

@@ -131,6 +131,19 @@ void checkVehicle(const Experiment& experiment, std::size_t i, const Refuse& ref
   }
   expectOrder(path + ".assumed_radius_m", vehicle.assumed_radius_m, "body_radius_m",
               vehicle.body_radius_m, refuse);
+  if (vehicle.lidar && vehicle.lidar->sweep_s > 1.0 / vehicle.lidar->rate_hz) {
+    refuse(path + ".lidar.sweep_s",
+           fmt::format("at most the time between sweeps ({} s)", 1.0 / vehicle.lidar->rate_hz),
+           fmt::format("{}", vehicle.lidar->sweep_s));
+  }
+  for (std::size_t j = 0; j < vehicle.cameras.size(); ++j) {
+    for (std::size_t k = 0; k < j; ++k) {
+      if (vehicle.cameras[j].name == vehicle.cameras[k].name) {
+        refuse(fmt::format("{}.cameras[{}].name", path, j), "a name of its own",
+               fmt::format("\"{}\", which is cameras[{}]'s", vehicle.cameras[j].name, k));
+      }
+    }
+  }
   for (std::size_t j = 0; j < i; ++j) {
     const Vehicle& other = experiment.vehicles[j];
     if (other.name == vehicle.name) {

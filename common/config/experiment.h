@@ -33,6 +33,20 @@ struct Lidar {
   double rate_hz = 40.0;
   double noise_m = 0.0;          ///< standard deviation of a range
   bool sees_room_walls = false;  ///< whether the edges of the room are walls
+  double missed_share = 0.0;     ///< of the beams that hit something and say that they did not
+  double mixed_share = 0.0;      ///< of the beams at an edge in depth: a range between the two
+  double sweep_s = 0.0;          ///< from the first beam to the last; a scan's utime is the last's
+};
+
+/// A camera on a vehicle. Its image plane is upright; undistorted.
+struct Camera {
+  std::string name = "front";      ///< letters, digits and underscore; its own on the vehicle
+  int width = 320;                 ///< pixels
+  int height = 240;                ///< pixels
+  double field_of_view_rad = 1.2;  ///< horizontal
+  double heading_rad = 0.0;        ///< from the vehicle's, counter-clockwise
+  double height_m = 0.5;           ///< of the lens above the floor
+  double rate_hz = 5.0;
 };
 
 struct Vehicle {
@@ -47,6 +61,7 @@ struct Vehicle {
   std::optional<Start> start;          ///< nothing: placed at random (sim.start_area)
   bool shielded = true;        ///< its planner flies behind a shield; others count on what it says
   std::optional<Lidar> lidar;  ///< nothing: it has none
+  std::vector<Camera> cameras;
 };
 
 /// False for models that stay on the floor: they need no take-off, and landing is stopping.

@@ -41,6 +41,20 @@ void describe(Visitor& visit, Lidar& lidar) {
   visit("rate_hz", lidar.rate_hz, above(0.0));
   visit("noise_m", lidar.noise_m, atLeast(0.0));
   visit("sees_room_walls", lidar.sees_room_walls);
+  visit("missed_share", lidar.missed_share, between(0.0, 1.0));
+  visit("mixed_share", lidar.mixed_share, between(0.0, 1.0));
+  visit("sweep_s", lidar.sweep_s, between(0.0, 1.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Camera& camera) {
+  visit("name", camera.name, identifier());
+  visit("width", camera.width, between(16.0, 4096.0));
+  visit("height", camera.height, between(16.0, 4096.0));
+  visit("field_of_view_rad", camera.field_of_view_rad, between(0.1, 2.8));
+  visit("heading_rad", camera.heading_rad);
+  visit("height_m", camera.height_m, above(0.0));
+  visit("rate_hz", camera.rate_hz, above(0.0));
 }
 
 template <class Visitor>
@@ -56,6 +70,7 @@ void describe(Visitor& visit, Vehicle& vehicle) {
   visit("shielded", vehicle.shielded);
   visit("start", vehicle.start);
   visit("lidar", vehicle.lidar);
+  visit("cameras", vehicle.cameras);
 }
 
 template <class Visitor>

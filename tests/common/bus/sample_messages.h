@@ -4,10 +4,14 @@
 
 #include <string>
 
+#include "roundabout_msgs/agent_tracks_t.hpp"
 #include "roundabout_msgs/command_t.hpp"
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/goal_t.hpp"
+#include "roundabout_msgs/image_t.hpp"
 #include "roundabout_msgs/mission_t.hpp"
+#include "roundabout_msgs/occupancy_t.hpp"
+#include "roundabout_msgs/odometry_t.hpp"
 #include "roundabout_msgs/planar_lidar_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 #include "roundabout_msgs/safety_order_t.hpp"
@@ -132,6 +136,80 @@ inline roundabout_msgs::fleet_status_t sample() {
   message.phase = roundabout_msgs::fleet_status_t::GO;
   message.formation = "C";
   message.reason = "hex1 is on its way";
+  return message;
+}
+
+template <>
+inline roundabout_msgs::agent_tracks_t sample() {
+  roundabout_msgs::agent_tracks_t message{};
+  message.utime = 8;
+  message.num_tracks = 2;
+  message.tracks.resize(2);
+  for (int i = 0; i < 2; ++i) {
+    roundabout_msgs::agent_track_t& track = message.tracks[static_cast<std::size_t>(i)];
+    track = {};
+    track.id = 17 + i;
+    track.agent_class = roundabout_msgs::agent_track_t::PEDESTRIAN;
+    track.confidence = 0.75;
+    track.position[0] = 1.5;
+    track.position[1] = -0.5 + i;
+    track.velocity[0] = 1.25;
+    track.velocity[1] = -0.25;
+    track.radius = 0.375;
+    track.position_deviation = 0.0625;
+    track.velocity_deviation = 0.125;
+    track.age = 2.5;
+    track.unseen = 0.5;
+  }
+  message.vehicle = "rover";
+  message.health = roundabout_msgs::agent_tracks_t::DEGRADED;
+  message.reason = "no image for 2 s";
+  message.rejected_scans = 1;
+  message.rejected_ranges = 2;
+  message.rejected_images = 3;
+  message.rejected_poses = 4;
+  message.compute_time = 0.25;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::image_t sample() {
+  roundabout_msgs::image_t message{};
+  message.utime = 1'005'000;
+  message.width = 320;
+  message.height = 240;
+  message.pixelformat = roundabout_msgs::image_t::PIXEL_FORMAT_MJPEG;
+  message.data = {0xFF, 0xD8, 0xFF, 0xE0, 0x17};
+  message.size = 5;
+  message.nmetadata = 1;
+  message.metadata.resize(1);
+  message.metadata[0].key = "exposure";
+  message.metadata[0].n = 2;
+  message.metadata[0].value = {1, 2};
+  return message;
+}
+
+template <>
+inline roundabout_msgs::occupancy_t sample() {
+  roundabout_msgs::occupancy_t message{};
+  message.utime = 9;
+  message.num_bytes = 3;
+  message.tree = {7, 8, 9};
+  message.vehicle = "rover";
+  message.resolution = 0.0625;
+  return message;
+}
+
+template <>
+inline roundabout_msgs::odometry_t sample() {
+  roundabout_msgs::odometry_t message{};
+  message.utime = 10;
+  message.vehicle = "rover";
+  message.position[0] = -3.0;
+  message.position[1] = 0.5;
+  message.heading = 7.0;
+  message.speed = 1.25;
+  message.turn_rate = -0.5;
   return message;
 }
 

@@ -33,7 +33,9 @@ class TypedDecode : public testing::Test {
 using AllTypes = testing::Types<roundabout_msgs::vehicle_states_t, roundabout_msgs::command_t,
                                 roundabout_msgs::goal_t, roundabout_msgs::safety_order_t,
                                 roundabout_msgs::mission_t, roundabout_msgs::planner_status_t,
-                                roundabout_msgs::fleet_status_t, roundabout_msgs::planar_lidar_t>;
+                                roundabout_msgs::fleet_status_t, roundabout_msgs::planar_lidar_t,
+                                roundabout_msgs::agent_tracks_t, roundabout_msgs::image_t,
+                                roundabout_msgs::occupancy_t, roundabout_msgs::odometry_t>;
 class TypeName {
  public:
   template <class Message>
@@ -173,6 +175,36 @@ TEST(Decode, BelievesNeitherCountOfALaserScan) {
   }
 }
 
+TEST(Decode, BelievesNoCountOfAnImage) {
+  const Bytes valid = encode(sample<roundabout_msgs::image_t>());
+  const std::size_t entries = count_fields::kImage[0].offset + 4 + 5;
+  const std::size_t key = entries + 4;
+  const std::size_t value = key + 4 + sizeof("exposure");
+  ASSERT_EQ(value + 4 + 2, valid.size());
+  for (const std::size_t offset : {entries, key, value}) {
+    for (const std::uint32_t count : {0xFFFFFFFFU, 0x80000000U, 0x7FFFFFFFU, 1000000U, 17U}) {
+      Bytes bytes = valid;
+      setCount(bytes, offset, count);
+      roundabout_msgs::image_t message{};
+      EXPECT_STREQ(decode(bytes, message), "counts larger than the message") << offset;
+      EXPECT_EQ(message.metadata.capacity(), 0U);
+    }
+  }
+}
+
+// So that tools for bot_core.image_t read it.
+TEST(Image, IsLaidOutLikeLibbot2s) {
+  const Bytes bytes = encode(sample<roundabout_msgs::image_t>());
+  EXPECT_EQ(bigEndian(bytes, 8, 8), 1'005'000U);
+  EXPECT_EQ(bigEndian(bytes, 16, 4), 320U);         // width
+  EXPECT_EQ(bigEndian(bytes, 20, 4), 240U);         // height
+  EXPECT_EQ(bigEndian(bytes, 24, 4), 0U);           // row_stride
+  EXPECT_EQ(bigEndian(bytes, 28, 4), 0x47504A4DU);  // pixelformat: "MJPG", last letter first
+  EXPECT_EQ(bigEndian(bytes, 32, 4), 5U);           // size
+  EXPECT_EQ(bigEndian(bytes, 36, 2), 0xFFD8U);      // data
+  EXPECT_EQ(bigEndian(bytes, 41, 4), 1U);           // nmetadata
+}
+
 // So that tools for bot_core.planar_lidar_t read it.
 TEST(PlanarLidar, IsLaidOutLikeLibbot2s) {
   const Bytes bytes = encode(sample<roundabout_msgs::planar_lidar_t>());
@@ -190,6 +222,8 @@ TEST(CountFields, KnowTheSmallestElements) {
             static_cast<std::size_t>(roundabout_msgs::vehicle_state_t{}.getEncodedSize() - 8));
   EXPECT_EQ(count_fields::kFleetStatus[0].min_element_bytes,
             static_cast<std::size_t>(roundabout_msgs::vehicle_progress_t{}.getEncodedSize() - 8));
+  EXPECT_EQ(count_fields::kAgentTracks[0].min_element_bytes,
+            static_cast<std::size_t>(roundabout_msgs::agent_track_t{}.getEncodedSize() - 8));
 }
 
 }  // namespace

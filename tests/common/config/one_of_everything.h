@@ -28,12 +28,14 @@ inline Experiment oneOfEverything() {
   first.max_acceleration_mps2 = 2.5;
   first.shielded = false;
   first.start = Start{{-1.5, 2.5}, -0.75};
-  first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true};
+  first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true, 0.02, 0.5, 0.025};
+  first.cameras = {{"left", 640, 480, 1.4, 0.75, 0.3, 10.0}};
   Vehicle second = first;
   second.name = "2";
   second.height_m = 1.75;
   second.start.reset();
   second.lidar.reset();
+  second.cameras.clear();
   e.vehicles = {first, second};
 
   e.planner.policy = "ga3c_cadrl:/weights/net.safetensors";
