@@ -38,6 +38,7 @@ struct Options {
   std::string generate;
   std::string obstacle_file;
   GeneratorSettings generator;
+  std::optional<double> half_side_m;
   int count = 100;
   std::uint64_t seed = 1;
   std::string rules = "published";
@@ -94,6 +95,7 @@ void requireOrder(const char* option, double min, double max) {
 
 Suite generated(const Options& options) {
   GeneratorSettings settings = options.generator;
+  settings.half_side_m = options.half_side_m.value_or(publishedHalfSide(settings.agents));
   requireOrder("--radius", settings.min_radius_m, settings.max_radius_m);
   requireOrder("--speed", settings.min_speed_mps, settings.max_speed_mps);
   if (!options.obstacle_file.empty()) {
@@ -314,8 +316,8 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--count", options->count, "Generated cases")->check(CLI::Range(1, 1000000));
   command
-      ->add_option("--half-side", options->generator.half_side_m,
-                   "m; generated places lie in a square of twice this")
+      ->add_option("--half-side", options->half_side_m,
+                   "m; generated places lie in a square of twice this. Default: 4, from ten agents 6")
       ->check(CLI::Range(0.1, 1000.0));
   command->add_option("--radius", "MIN MAX, m, of generated agents")
       ->expected(2)

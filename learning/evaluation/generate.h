@@ -29,6 +29,9 @@ struct GeneratorSettings {
   double max_growth = std::numeric_limits<double>::infinity();
 };
 
+/// m: half the side of the square in which the published sets of so many agents begin.
+constexpr double publishedHalfSide(int agents) { return agents < 10 ? 4.0 : 6.0; }
+
 /// Kinds of generated cases: "random", "circle", "swap", and "mixed" (70, 15 and 15 %).
 std::span<const std::string_view> generatorKinds();
 

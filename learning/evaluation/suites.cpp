@@ -26,7 +26,7 @@ Suite random500() {
   for (const int agents : {2, 3, 4, 6, 8, 10}) {
     GeneratorSettings settings;
     settings.agents = agents;
-    settings.half_side_m = agents < 10 ? 4.0 : 6.0;
+    settings.half_side_m = publishedHalfSide(agents);
     suite.groups.push_back({agentsText(static_cast<std::size_t>(agents)),
                             generateCases("mixed", settings, 500, kSeed)});
   }
