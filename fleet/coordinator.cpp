@@ -339,7 +339,7 @@ Assignment Coordinator::assignAsReported(const Step& formation) const {
           (distance_m - reported_m) * (distance_m - reported_m) - reported_m * reported_m;
     }
   }
-  return assignAtLeastCost(cost);
+  return core::assignAtLeastCost(cost);
 }
 
 void Coordinator::sendToFormation(core::Utime now) {
