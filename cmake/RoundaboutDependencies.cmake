@@ -15,3 +15,16 @@ find_program(LCM_GEN lcm-gen REQUIRED)
 
 # liblcm-dev has no CMake package, and its pkg-config file needs libglib2.0-dev.
 add_library(roundabout::lcm ALIAS PkgConfig::LCM)
+
+# For perception/ alone. Debian's single packages of OpenCV's modules have no CMake package: that is in libopencv-dev, which
+# brings MPI and VTK with it. liboctomap-dev's names no targets.
+find_path(OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+add_library(roundabout_opencv INTERFACE)
+target_include_directories(roundabout_opencv SYSTEM INTERFACE ${OPENCV_INCLUDE})
+foreach(module core dnn imgcodecs imgproc objdetect)
+  find_library(OPENCV_${module} opencv_${module} REQUIRED)
+  target_link_libraries(roundabout_opencv INTERFACE ${OPENCV_${module}})
+endforeach()
+add_library(roundabout::opencv ALIAS roundabout_opencv)
+pkg_check_modules(OCTOMAP REQUIRED IMPORTED_TARGET octomap)
+add_library(roundabout::octomap ALIAS PkgConfig::OCTOMAP)

@@ -270,6 +270,27 @@ struct Mocap {
   std::vector<MocapBody> bodies;
 };
 
+/// What a vehicle's perception makes of its scans and images; docs/perception.md.
+struct Perception {
+  std::string clusterer = "breakpoints";  ///< entry of perception's table of clusterers
+  double range_noise_m = 0.02;            ///< standard deviation of a range, for the breakpoints
+  double max_range_m = 10.0;              ///< nothing farther is followed
+  double widest_body_m = 0.9;             ///< what is wider is a wall or furniture
+  double person_radius_m = 0.3;           ///< of whoever walks on two legs, at least
+  double least_radius_m = 0.15;           ///< of anybody else, at least
+  double acceleration_density = 0.6;      ///< of the tracks' white noise, m^2/s^3
+  double lost_s = 0.5;    ///< who should be seen and is not is forgotten after this time
+  double hidden_s = 2.0;  ///< and who is behind somebody, or out of view, after this
+  double map_resolution_m = 0.05;
+  double map_rate_hz = 10.0;    ///< scans put into the map
+  double map_publish_hz = 1.0;
+  std::string map_file;         ///< path of a .bt file that is saved at the end; empty: none
+  std::string detector = "hog"; ///< of people in images: hog, none, or the path of a model
+  double detector_confidence = 0.5;  ///< boxes below are no people
+  double image_period_s = 0.2;  ///< of each camera; images between are not looked at
+  double image_delay_s = 0.3;   ///< boxes count from so long after the exposure
+};
+
 struct NamedPoints {
   std::string name;
   std::vector<Eigen::Vector3d> points_m;
@@ -300,6 +321,7 @@ struct Experiment {
   Fleet fleet;
   Sim sim;
   Mocap mocap;
+  Perception perception;
   std::vector<NamedPoints>
       glyphs;  ///< points that replace the built-in letter for a spelled character
   std::vector<MissionStep> mission;

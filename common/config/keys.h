@@ -268,6 +268,27 @@ void describe(Visitor& visit, Mocap& mocap) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, Perception& perception) {
+  visit("clusterer", perception.clusterer, oneOf({"breakpoints", "dynamic_means"}));
+  visit("range_noise_m", perception.range_noise_m, between(0.0, 0.2));
+  visit("max_range_m", perception.max_range_m, above(0.0));
+  visit("widest_body_m", perception.widest_body_m, between(0.3, 3.0));
+  visit("person_radius_m", perception.person_radius_m, between(0.1, 1.0));
+  visit("least_radius_m", perception.least_radius_m, between(0.01, 1.0));
+  visit("acceleration_density", perception.acceleration_density, above(0.0));
+  visit("lost_s", perception.lost_s, between(0.05, 10.0));
+  visit("hidden_s", perception.hidden_s, between(0.05, 60.0));
+  visit("map_resolution_m", perception.map_resolution_m, between(0.01, 1.0));
+  visit("map_rate_hz", perception.map_rate_hz, above(0.0));
+  visit("map_publish_hz", perception.map_publish_hz, above(0.0));
+  visit("map_file", perception.map_file);
+  visit("detector", perception.detector);
+  visit("detector_confidence", perception.detector_confidence, between(0.0, 1.0));
+  visit("image_period_s", perception.image_period_s, above(0.0));
+  visit("image_delay_s", perception.image_delay_s, between(0.0, 5.0));
+}
+
+template <class Visitor>
 void describe(Visitor& visit, NamedPoints& named) {
   visit("name", named.name);
   visit("points_m", named.points_m, heightOptional());
@@ -323,6 +344,7 @@ void describe(Visitor& visit, Experiment& experiment) {
   visit("fleet", experiment.fleet);
   visit("sim", experiment.sim);
   visit("mocap", experiment.mocap);
+  visit("perception", experiment.perception);
   visit("glyphs", experiment.glyphs);
   visit("mission", experiment.mission);
 }

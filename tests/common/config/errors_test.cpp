@@ -89,7 +89,7 @@ TEST(ConfigError, UnknownKeyAtTheTop) {
       errorBelow("misson: [land]\n"),
       "lab.yaml:2: misson: expected one of name, seed, source, lcm_url, room, "
       "obstacles, no_fly_zones, vehicle_defaults, vehicles, planner, shield, safety, fleet, sim, "
-      "mocap, glyphs, mission, found "
+      "mocap, perception, glyphs, mission, found "
       "\"misson\" (did you mean \"mission\"?)");
 }
 

@@ -85,6 +85,9 @@ inline Experiment oneOfEverything() {
   e.sim.command_land_s = 1.5;
   e.sim.pushes = {{"hex_1", 3.0, 0.75, {1.0, -2.0}}};
 
+  e.perception = {"dynamic_means", 0.01,   8.0, 1.1,  0.35, 0.2, 0.7, 0.4, 3.0, 0.1, 5.0, 0.5,
+                  "m.bt",          "none", 0.6, 0.25, 0.4};
+
   e.mocap.server = "192.168.0.106";
   e.mocap.interface = "eth0";
   e.mocap.command_port = 1610;

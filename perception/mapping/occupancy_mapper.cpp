@@ -1,0 +1,159 @@
+#include "perception/mapping/occupancy_mapper.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <octomap/octomap.h>
+
+namespace roundabout::perception {
+
+namespace {
+
+octomap::point3d pointOf(const Eigen::Vector2d& place_m, double height_m) {
+  return {static_cast<float>(place_m.x()), static_cast<float>(place_m.y()),
+          static_cast<float>(height_m)};
+}
+
+}  // namespace
+
+MapUpdate mapUpdateOf(const AgentFinder& finder, double free_range_m) {
+  const ScanPoints& points = finder.points();
+  MapUpdate update;
+  update.sensor_m = points.sensor_m;
+  std::vector<bool> is_static(points.size(), false);
+  for (const std::size_t beam : finder.staticBeams()) {
+    is_static[beam] = true;
+    update.hits_m.push_back(points.world_m[beam]);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_static[i]) {
+      const Eigen::Vector2d ray_m = points.world_m[i] - points.sensor_m;
+      const double share = std::min(1.0, free_range_m / std::max(ray_m.norm(), 1e-9));
+      update.free_m.push_back(points.sensor_m +
+                              (points.hit[i] != 0 ? std::min(share, 0.98) : share) * ray_m);
+    }
+  }
+  return update;
+}
+
+StaticCells::StaticCells(double resolution_m, std::vector<Eigen::Vector2d> centres_m)
+    : resolution_m_(resolution_m), centres_m_(std::move(centres_m)) {
+  for (const Eigen::Vector2d& centre_m : centres_m_) {
+    for (int right = -1; right <= 1; ++right) {
+      for (int up = -1; up <= 1; ++up) {
+        near_.insert(keyOf(centre_m, right, up));
+      }
+    }
+  }
+}
+
+bool StaticCells::occupied(const Eigen::Vector2d& position_m) const {
+  return near_.contains(keyOf(position_m, 0, 0));
+}
+
+std::int64_t StaticCells::keyOf(const Eigen::Vector2d& position_m, int right, int up) const {
+  const auto column = static_cast<std::int64_t>(std::floor(position_m.x() / resolution_m_)) + right;
+  const auto row = static_cast<std::int64_t>(std::floor(position_m.y() / resolution_m_)) + up;
+  return column * (std::int64_t{1} << 32) + row;
+}
+
+struct OccupancyMapper::Tree {
+  explicit Tree(double resolution_m) : octree(resolution_m), height_m(resolution_m / 2.0) {}
+  octomap::OcTree octree;
+  double height_m;  // of the one layer
+};
+
+OccupancyMapper::OccupancyMapper(double resolution_m, const Eigen::AlignedBox2d& bounds_m)
+    : tree_(std::make_unique<Tree>(resolution_m)) {
+  octomap::point3d low = pointOf(bounds_m.min(), 0.0);
+  octomap::point3d high = pointOf(bounds_m.max(), resolution_m);
+  tree_->octree.setBBXMin(low);
+  tree_->octree.setBBXMax(high);
+  tree_->octree.useBBXLimit(true);
+}
+
+OccupancyMapper::~OccupancyMapper() = default;
+
+void OccupancyMapper::insert(const MapUpdate& update) {
+  octomap::OcTree& octree = tree_->octree;
+  const octomap::point3d sensor = pointOf(update.sensor_m, tree_->height_m);
+  octomap::KeySet free;
+  octomap::KeySet occupied;
+  octomap::Pointcloud hits;
+  for (const Eigen::Vector2d& hit_m : update.hits_m) {
+    hits.push_back(pointOf(hit_m, tree_->height_m));
+  }
+  octree.computeUpdate(hits, sensor, free, occupied, -1.0);
+  octomap::KeyRay ray;
+  for (const Eigen::Vector2d& end_m : update.free_m) {
+    if (octree.computeRayKeys(sensor, pointOf(end_m, tree_->height_m), ray)) {
+      for (const octomap::OcTreeKey& key : ray) {
+        if (octree.inBBX(key)) {
+          free.insert(key);
+        }
+      }
+    }
+  }
+  constexpr bool kLazy = true;
+  for (const octomap::OcTreeKey& key : free) {
+    if (occupied.find(key) == occupied.end()) {
+      octree.updateNode(key, false, kLazy);
+    }
+  }
+  for (const octomap::OcTreeKey& key : occupied) {
+    octree.updateNode(key, true, kLazy);
+  }
+}
+
+void OccupancyMapper::clear() { tree_->octree.clear(); }
+
+std::shared_ptr<const StaticCells> OccupancyMapper::cells() const {
+  const octomap::OcTree& octree = tree_->octree;
+  std::vector<Eigen::Vector2d> centres_m;
+  for (auto leaf = octree.begin_leafs(); leaf != octree.end_leafs(); ++leaf) {
+    if (octree.isNodeOccupied(*leaf)) {
+      centres_m.emplace_back(leaf.getX(), leaf.getY());
+    }
+  }
+  return std::make_shared<StaticCells>(octree.getResolution(), std::move(centres_m));
+}
+
+std::vector<std::uint8_t> OccupancyMapper::binaryTree() {
+  // Writing rounds every cell to free or occupied for good: a copy is written.
+  octomap::OcTree copy(tree_->octree);
+  copy.updateInnerOccupancy();
+  copy.toMaxLikelihood();
+  copy.prune();
+  // As OcTree::writeBinary() does, which also writes to the standard error.
+  std::ostringstream stream;
+  stream << "# Octomap OcTree binary file\n"
+            "# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
+            "id "
+         << copy.getTreeType() << "\nsize " << copy.size() << "\nres " << copy.getResolution()
+         << "\ndata\n";
+  if (copy.size() > 0) {
+    copy.writeBinaryData(stream);
+  }
+  const std::string text = stream.str();
+  return {text.begin(), text.end()};
+}
+
+bool OccupancyMapper::save(const std::string& path) {
+  const std::vector<std::uint8_t> tree = binaryTree();
+  const std::string unfinished = path + ".part";
+  {
+    std::ofstream file(unfinished, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(tree.data()),
+               static_cast<std::streamsize>(tree.size()));
+    if (!file.flush()) {
+      return false;
+    }
+  }
+  std::error_code error;
+  std::filesystem::rename(unfinished, path, error);
+  return !error;
+}
+
+}  // namespace roundabout::perception

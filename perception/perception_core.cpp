@@ -1,0 +1,299 @@
+#include "perception/perception_core.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/core/error.h"
+#include "perception/clustering/table.h"
+
+namespace roundabout::perception {
+
+namespace {
+
+constexpr double kBlindAfter_s = 0.3;
+constexpr double kBlindRate_hz = 10.0;
+// More wait only while poses are missing.
+constexpr std::size_t kMostWaiting = 16;
+constexpr std::size_t kMostLooking = 8;
+// Beams without an echo clear the map up to here.
+constexpr double kFreeRange_m = 6.0;
+// A track nearer than this to another vehicle's middle is that vehicle.
+constexpr double kAtVehicle_m = 0.3;
+constexpr double kSilentPeriods = 5.0;
+constexpr double kManyUnusable = 0.1;
+constexpr double kRoomMargin_m = 1.0;
+
+std::size_t indexOf(const config::Experiment& experiment, const std::string& name) {
+  for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+    if (experiment.vehicles[i].name == name) {
+      if (!experiment.vehicles[i].lidar) {
+        throw core::StartupError(experiment.file, fmt::format("vehicles[{}].lidar", i),
+                                 "one, since perception is asked for", "none");
+      }
+      return i;
+    }
+  }
+  throw core::StartupError(experiment.file, "--vehicle", "a vehicle of the experiment",
+                           "\"" + name + "\"");
+}
+
+config::Perception limitedBy(config::Perception settings, const config::Lidar& lidar) {
+  settings.max_range_m = std::min(settings.max_range_m, lidar.max_range_m);
+  return settings;
+}
+
+Eigen::AlignedBox2d boundsOf(const config::Room& room) {
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kRoomMargin_m);
+  return {room.min_m.head<2>() - margin, room.max_m.head<2>() + margin};
+}
+
+}  // namespace
+
+PerceptionCore::PerceptionCore(const config::Experiment& experiment, const std::string& vehicle,
+                               std::unique_ptr<PersonDetector> detector)
+    : experiment_(experiment),
+      own_index_(indexOf(experiment, vehicle)),
+      detector_(std::move(detector)),
+      finder_(limitedBy(experiment.perception, *experiment.vehicles[own_index_].lidar),
+              makeClusterer(experiment.perception.clusterer, experiment.file)),
+      mapper_(experiment.perception.map_resolution_m, boundsOf(experiment.room)),
+      map_timer_(experiment.perception.map_rate_hz),
+      publish_timer_(experiment.perception.map_publish_hz),
+      blind_timer_(kBlindRate_hz),
+      poses_({experiment.vehicles[own_index_].top_speed_mps, experiment.safety.jump_margin_m,
+              experiment.safety.max_rejects_in_a_row}) {
+  vehicle_ = experiment.vehicles[own_index_];
+  newest_image_.resize(vehicle_.cameras.size(), 0);
+  last_image_.resize(vehicle_.cameras.size(), 0);
+}
+
+PerceptionCore::~PerceptionCore() = default;  // futures wait
+
+const char* PerceptionCore::onFrame(const core::StatesFrame& frame) {
+  const core::FrameVerdict verdict = frames_.judge(frame.utime);
+  if (verdict == core::FrameVerdict::kRefused) {
+    ++rejected_.poses;
+    return "its time stamp is old, or corrupt";
+  }
+  if (verdict == core::FrameVerdict::kNewEpoch) {
+    poses_.clear();
+    forget();
+  }
+  const char* reason = nullptr;
+  others_.clear();
+  const core::VehicleState* own = nullptr;
+  for (const core::VehicleState& state : frame.vehicles) {
+    if (state.name == vehicle_.name) {
+      own = &state;
+    } else if (state.tracked) {
+      others_.push_back(state);
+    }
+  }
+  if (own == nullptr || !own->tracked) {
+    ++rejected_.poses;
+    reason = "the own vehicle is not tracked";
+  } else {
+    const PlanarPose pose{own->position_world_m.head<2>(), core::headingOf(own->orientation)};
+    switch (poses_.add(frame.utime, pose)) {
+      case PoseHistory::Verdict::kAccepted:
+        last_own_pose_ = frame.utime;
+        break;
+      case PoseHistory::Verdict::kRejected:
+        ++rejected_.poses;
+        reason = "the own vehicle cannot have moved so far";
+        break;
+      case PoseHistory::Verdict::kJumped:
+        ++rejected_.poses;
+        last_own_pose_ = frame.utime;
+        forget();
+        reason = "the own vehicle is elsewhere; tracks and map are forgotten";
+        break;
+    }
+  }
+  useScans();
+  if (core::toSeconds(frame.utime - last_used_scan_) > kBlindAfter_s &&
+      blind_timer_.due(frame.utime)) {
+    sayBlind(frame.utime);
+  }
+  return reason;
+}
+
+const char* PerceptionCore::onScan(const core::LaserScan& scan) {
+  if (const char* reason = scans_.judge(scan)) {
+    ++rejected_.scans;
+    return reason;
+  }
+  if (scans_.newEpoch()) {
+    forget();
+  }
+  waiting_.push_back(scan);
+  if (waiting_.size() > kMostWaiting) {
+    waiting_.pop_front();
+    ++rejected_.scans;
+    return "there is no pose of its time";
+  }
+  useScans();
+  return nullptr;
+}
+
+const char* PerceptionCore::onImage(std::size_t camera, const core::JpegImage& image) {
+  const config::Camera& settings = vehicle_.cameras[camera];
+  if (image.width != settings.width || image.height != settings.height) {
+    ++rejected_.images;
+    return "another size than its camera's in the experiment file";
+  }
+  if (image.utime <= last_image_[camera] && last_image_[camera] - image.utime < core::kFarAhead) {
+    ++rejected_.images;
+    return "its time stamp is old";
+  }
+  last_image_[camera] = image.utime;
+  const core::Utime period = core::toUtime(experiment_.perception.image_period_s);
+  if (!detector_ || looking_.size() >= kMostLooking ||
+      (image.utime / period == newest_image_[camera] / period)) {
+    return nullptr;
+  }
+  newest_image_[camera] = image.utime;
+  looking_.push_back(
+      {camera, image.utime, std::async(std::launch::async, [this, jpeg = image.jpeg] {
+         const std::lock_guard one_at_a_time(detector_mutex_);
+         return detector_->detect(jpeg);
+       })});
+  return nullptr;
+}
+
+std::optional<core::AgentTracks> PerceptionCore::takeTracks() {
+  if (tracks_out_.empty()) {
+    return std::nullopt;
+  }
+  core::AgentTracks tracks = std::move(tracks_out_.front());
+  tracks_out_.pop_front();
+  return tracks;
+}
+
+std::optional<core::OccupancyMap> PerceptionCore::takeMap() {
+  return std::exchange(map_out_, std::nullopt);
+}
+
+bool PerceptionCore::saveMap() {
+  waitForMap();
+  const std::string& path = experiment_.perception.map_file;
+  return path.empty() || mapper_.save(path);
+}
+
+void PerceptionCore::useScans() {
+  while (!waiting_.empty() && waiting_.front().utime <= poses_.newest()) {
+    const core::LaserScan scan = std::move(waiting_.front());
+    waiting_.pop_front();
+    const std::optional<PlanarPose> end = poses_.at(scan.utime);
+    const core::Utime sweep = core::toUtime(vehicle_.lidar->sweep_s);
+    const std::optional<PlanarPose> begin = poses_.at(scan.utime - sweep);
+    if (!end || scan.utime <= last_used_scan_) {
+      ++rejected_.scans;
+    } else {
+      useScan(scan, begin.value_or(*end), *end);
+    }
+  }
+}
+
+void PerceptionCore::useScan(const core::LaserScan& scan, const PlanarPose& begin,
+                             const PlanarPose& end) {
+  last_used_scan_ = scan.utime;
+  const int unusable = finder_.update(scan, begin, end, cells_.get());
+  rejected_.ranges += unusable;
+  many_unusable_ = unusable > kManyUnusable * static_cast<double>(scan.ranges_m.size());
+  markVehicles();
+  useBoxes(scan.utime);
+  core::AgentTracks& tracks = tracks_out_.emplace_back();
+  tracks.utime = scan.utime;
+  tracks.vehicle = vehicle_.name;
+  tracks.tracks = finder_.tracker().tracks();
+  tracks.rejected = rejected_;
+  judgeHealth(tracks);
+  updateMap(scan.utime);
+}
+
+void PerceptionCore::useBoxes(core::Utime now) {
+  const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
+  while (!looking_.empty() && looking_.front().exposure + delay <= now) {
+    const auto boxes = looking_.front().boxes.get();
+    const std::optional<PlanarPose> pose = poses_.at(looking_.front().exposure);
+    if (!boxes) {
+      ++rejected_.images;
+    } else if (pose) {
+      fuseBoxes(vehicle_.cameras[looking_.front().camera], *pose, *boxes, finder_.tracker().all());
+    }
+    looking_.pop_front();
+  }
+}
+
+void PerceptionCore::updateMap(core::Utime now) {
+  if (!map_timer_.due(now)) {
+    return;
+  }
+  waitForMap();
+  const bool publish = publish_timer_.due(now);
+  if (publish) {
+    map_out_ = core::OccupancyMap{now, vehicle_.name, experiment_.perception.map_resolution_m,
+                                  mapper_.binaryTree()};
+  }
+  mapping_ = std::async(std::launch::async, [this, update = mapUpdateOf(finder_, kFreeRange_m)] {
+    mapper_.insert(update);
+    return mapper_.cells();
+  });
+}
+
+void PerceptionCore::waitForMap() {
+  if (mapping_.valid()) {
+    cells_ = mapping_.get();
+  }
+}
+
+void PerceptionCore::markVehicles() {
+  for (Track& track : finder_.tracker().all()) {
+    track.vehicle =
+        std::any_of(others_.begin(), others_.end(), [&](const core::VehicleState& other) {
+          return (other.position_world_m.head<2>() - track.filter.position()).norm() < kAtVehicle_m;
+        });
+  }
+}
+
+void PerceptionCore::sayBlind(core::Utime now) {
+  core::AgentTracks& tracks = tracks_out_.emplace_back();
+  tracks.utime = now;
+  tracks.vehicle = vehicle_.name;
+  tracks.health = core::PerceptionHealth::kBlind;
+  tracks.reason = core::toSeconds(now - last_own_pose_) > kBlindAfter_s
+                      ? "the own vehicle's pose is not known"
+                  : scans_.last() == 0 ? "no laser scan yet"
+                                       : "no usable laser scan for 0.3 s";
+  tracks.rejected = rejected_;
+}
+
+void PerceptionCore::judgeHealth(core::AgentTracks& tracks) const {
+  if (many_unusable_) {
+    tracks.health = core::PerceptionHealth::kDegraded;
+    tracks.reason = "more than a tenth of the ranges unusable";
+  }
+  for (std::size_t i = 0; i < vehicle_.cameras.size(); ++i) {
+    const config::Camera& camera = vehicle_.cameras[i];
+    if (detector_ &&
+        core::toSeconds(tracks.utime - last_image_[i]) > kSilentPeriods / camera.rate_hz) {
+      tracks.health = core::PerceptionHealth::kDegraded;
+      tracks.reason = fmt::format("camera {} is silent", camera.name);
+    }
+  }
+}
+
+void PerceptionCore::forget() {
+  waitForMap();
+  mapper_.clear();
+  cells_.reset();
+  finder_.forget();
+  waiting_.clear();
+  looking_.clear();
+  last_used_scan_ = 0;
+}
+
+}  // namespace roundabout::perception

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <deque>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/experiment.h"
+#include "common/core/agent_tracks.h"
+#include "common/core/frame_gate.h"
+#include "common/core/sensor_data.h"
+#include "common/core/tick_timer.h"
+#include "common/core/vehicle_state.h"
+#include "perception/agent_finder.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/pose_history.h"
+#include "perception/scan/scan_gate.h"
+#include "perception/vision/box_fusion.h"
+#include "perception/vision/person_detector.h"
+
+namespace roundabout::perception {
+
+/// One vehicle's perception without wires. Time is the data's: a sweep is used as soon as a pose
+/// from after it is known, boxes count from perception.image_delay_s after their exposure, and a
+/// map's cells from one insertion to the next. So the order in which messages of different channels
+/// arrive changes nothing, and neither does how long detector and map take: they work beside, and
+/// are waited for when their time has come.
+class PerceptionCore {
+ public:
+  /// detector: nullptr: images are not looked at. Throws core::StartupError if the experiment has
+  /// no such vehicle, it has no lidar, or the clusterer is unknown.
+  PerceptionCore(const config::Experiment& experiment, const std::string& vehicle,
+                 std::unique_ptr<PersonDetector> detector);
+  ~PerceptionCore();
+
+  /// Each returns nullptr, or why its argument was not used, in a few words, and counts that.
+  const char* onFrame(const core::StatesFrame& frame);
+  const char* onScan(const core::LaserScan& scan);
+  const char* onImage(std::size_t camera, const core::JpegImage& image);
+  /// What could not even be decoded.
+  void onBrokenScan() { ++rejected_.scans; }
+  void onBrokenImage() { ++rejected_.images; }
+  void onBrokenPose() { ++rejected_.poses; }
+
+  /// What is to be said, in order of time: tracks of every sweep, or ten times a second that there
+  /// are none to be had.
+  std::optional<core::AgentTracks> takeTracks();
+  /// perception.map_publish_hz of data time.
+  std::optional<core::OccupancyMap> takeMap();
+  /// Writes perception.map_file, if there is one. False if it cannot be written.
+  bool saveMap();
+
+  const config::Vehicle& vehicle() const { return vehicle_; }
+  const AgentFinder& finder() const { return finder_; }
+
+ private:
+  struct Looking {  // at an image
+    std::size_t camera;
+    core::Utime exposure;
+    std::future<std::optional<std::vector<PersonBox>>> boxes;
+  };
+
+  void useScans();
+  void useScan(const core::LaserScan& scan, const PlanarPose& begin, const PlanarPose& end);
+  void useBoxes(core::Utime now);
+  void updateMap(core::Utime now);
+  void waitForMap();
+  void markVehicles();
+  void sayBlind(core::Utime now);
+  void judgeHealth(core::AgentTracks& tracks) const;
+  void forget();
+
+  config::Experiment experiment_;
+  config::Vehicle vehicle_;
+  std::size_t own_index_ = 0;
+  std::unique_ptr<PersonDetector> detector_;
+  std::mutex detector_mutex_;
+  AgentFinder finder_;
+  OccupancyMapper mapper_;
+  std::shared_ptr<const StaticCells> cells_;
+  core::TickTimer map_timer_;
+  core::TickTimer publish_timer_;
+  core::TickTimer blind_timer_;
+  core::FrameGate frames_;
+  ScanGate scans_;
+  PoseHistory poses_;
+  std::deque<core::LaserScan> waiting_;
+  std::vector<core::Utime> newest_image_;  // of each camera: looked at
+  std::vector<core::Utime> last_image_;    // of each camera: heard
+  std::vector<core::VehicleState> others_;
+  core::Utime last_used_scan_ = 0;
+  core::Utime last_own_pose_ = 0;
+  bool many_unusable_ = false;
+  core::PerceptionRejections rejected_;
+  std::deque<core::AgentTracks> tracks_out_;
+  std::optional<core::OccupancyMap> map_out_;
+  // Last, since they wait for their threads when they go.
+  std::deque<Looking> looking_;
+  std::future<std::shared_ptr<const StaticCells>> mapping_;
+};
+
+}  // namespace roundabout::perception

@@ -1,0 +1,35 @@
+#include "perception/run_perception.h"
+
+#include <chrono>
+
+#include <spdlog/spdlog.h>
+
+#include "common/app/real_time.h"
+#include "common/bus/lcm_bus.h"
+#include "perception/perception_node.h"
+
+namespace roundabout::perception {
+
+int runPerception(const PerceptionOptions& options, app::Context& context) {
+  const config::Experiment& experiment = context.experiment;
+  const config::Perception& settings = experiment.perception;
+  auto detector =
+      settings.detector == "none"
+          ? nullptr
+          : makePersonDetector(settings.detector, settings.detector_confidence, experiment.file);
+  app::requestRealTimePriority(app::kPlannerPriority);
+  bus::LcmBus bus(context.lcm_url);
+  PerceptionNode node(experiment, options.vehicle, std::move(detector), bus);
+  spdlog::info("{} sees by {} and {} cameras with {} on {}", options.vehicle, settings.clusterer,
+               node.core().vehicle().cameras.size(), settings.detector, context.lcm_url);
+  while (!context.stop.requested()) {
+    bus.handle(std::chrono::milliseconds(20));
+  }
+  if (!node.core().saveMap()) {
+    spdlog::error("{} cannot be written", settings.map_file);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace roundabout::perception

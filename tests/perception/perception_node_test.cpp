@@ -1,0 +1,287 @@
+#include "perception/perception_node.h"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/memory_bus.h"
+#include "common/bus/messages.h"
+#include "common/bus/typed.h"
+#include "tests/perception/crowd.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/startup_error.h"
+
+namespace roundabout::perception {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::int8_t kGood = roundabout_msgs::agent_tracks_t::GOOD;
+constexpr std::int8_t kDegraded = roundabout_msgs::agent_tracks_t::DEGRADED;
+constexpr std::int8_t kBlind = roundabout_msgs::agent_tracks_t::BLIND;
+
+/// Sees a box around the whole picture; bytes that begin with "bad" are no picture.
+class FakeDetector final : public PersonDetector {
+ public:
+  std::optional<std::vector<PersonBox>> detect(std::span<const std::uint8_t> jpeg) override {
+    if (jpeg.size() > 2 && jpeg[2] == 'b') {
+      return std::nullopt;
+    }
+    return std::vector<PersonBox>{{0.0, 0.0, 320.0, 240.0, 1.0}};
+  }
+  std::string name() const override { return "fake"; }
+};
+
+/// A robot at rest with a lidar among people, on a bus in memory.
+class PerceptionNodeTest : public ::testing::Test {
+ protected:
+  PerceptionNodeTest() {
+    experiment_.file = "test.yaml";
+    experiment_.vehicles.resize(1);
+    config::Vehicle& robot = experiment_.vehicles.front();
+    robot.name = "robot";
+    robot.model = "ground_robot";
+    robot.lidar.emplace();
+    robot.lidar->beams = 1080;
+    robot.lidar->max_range_m = 10.0;
+    test::CrowdSettings settings;
+    settings.walls = true;
+    crowd_ = std::make_unique<test::Crowd>(settings);
+    const auto ignore = [](const bus::DecodeError&) { FAIL() << "the node sent garbage"; };
+    bus::subscribe<roundabout_msgs::agent_tracks_t>(
+        lab_, "AGENT_TRACKS_robot",
+        [this](const roundabout_msgs::agent_tracks_t& message) { heard_.push_back(message); },
+        ignore);
+    bus::subscribe<roundabout_msgs::occupancy_t>(
+        lab_, "OCCUPANCY_robot",
+        [this](const roundabout_msgs::occupancy_t& message) { maps_.push_back(message); }, ignore);
+  }
+
+  void start(bool with_detector = false) {
+    node_ = std::make_unique<PerceptionNode>(
+        experiment_, "robot", with_detector ? std::make_unique<FakeDetector>() : nullptr, own_bus_);
+  }
+
+  void sendPose(core::Utime utime, double x_m = 0.0, bool tracked = true) {
+    core::StatesFrame frame;
+    frame.utime = utime;
+    frame.vehicles.resize(1);
+    frame.vehicles[0].name = "robot";
+    frame.vehicles[0].tracked = tracked;
+    frame.vehicles[0].position_world_m.x() = x_m;
+    bus::publish(lab_, "VEHICLE_STATES", bus::toMessage(frame));
+  }
+
+  /// Poses at 200 Hz and, unless told otherwise, scans at 40 Hz.
+  void run(double duration_s, bool scans = true) {
+    for (int i = 0; i < static_cast<int>(duration_s * 200.0); ++i) {
+      now_ += 5'000;
+      sendPose(now_);
+      if (now_ % 25'000 == 0) {
+        crowd_->step(0.025);
+        core::LaserScan scan = crowd_->scan();
+        scan.utime = now_;
+        if (scans) {
+          bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+        }
+      }
+      deliver();
+    }
+  }
+
+  void deliver() {
+    own_bus_.handle(milliseconds(0));
+    lab_.handle(milliseconds(0));
+  }
+
+  void sendImage(const std::string& bytes, core::Utime utime) {
+    core::JpegImage image;
+    image.utime = utime;
+    image.width = 320;
+    image.height = 240;
+    image.jpeg = {0xFF, 0xD8};
+    image.jpeg.insert(image.jpeg.end(), bytes.begin(), bytes.end());
+    bus::publish(lab_, "IMAGE_robot_front", bus::toMessage(image));
+    deliver();
+  }
+
+  config::Experiment experiment_;
+  std::shared_ptr<bus::MemoryNetwork> network_ = std::make_shared<bus::MemoryNetwork>();
+  bus::MemoryBus own_bus_{network_};
+  bus::MemoryBus lab_{network_};
+  std::unique_ptr<test::Crowd> crowd_;
+  std::unique_ptr<PerceptionNode> node_;
+  std::vector<roundabout_msgs::agent_tracks_t> heard_;
+  std::vector<roundabout_msgs::occupancy_t> maps_;
+  core::Utime now_ = 1'000'000;
+};
+
+TEST_F(PerceptionNodeTest, SaysTracksOfEverySweepAndAMapEverySecond) {
+  start();
+  run(3.0);
+  ASSERT_GT(heard_.size(), 110U);
+  EXPECT_EQ(heard_.back().vehicle, "robot");
+  EXPECT_EQ(heard_.back().health, kGood);
+  // The lidar of the experiment looks half way round.
+  EXPECT_GE(heard_.back().num_tracks, 4);
+  EXPECT_GE(maps_.size(), 2U);
+  EXPECT_GT(maps_.back().num_bytes, 1000);
+}
+
+TEST_F(PerceptionNodeTest, SaysThatItIsBlindWithoutScans) {
+  start();
+  run(1.0);
+  run(0.6, false);
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().num_tracks, 0);
+  EXPECT_EQ(heard_.back().reason, "no usable laser scan for 0.3 s");
+  run(1.0);
+  EXPECT_EQ(heard_.back().health, kGood);
+}
+
+TEST_F(PerceptionNodeTest, SaysThatItIsBlindWithoutPoses) {
+  start();
+  run(1.0);
+  for (int i = 0; i < 120; ++i) {
+    now_ += 5'000;
+    sendPose(now_, 0.0, false);
+    deliver();
+  }
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().reason, "the own vehicle's pose is not known");
+  EXPECT_GE(heard_.back().rejected_poses, 100);
+}
+
+TEST_F(PerceptionNodeTest, CountsAndSurvivesWhatIsBroken) {
+  start();
+  run(0.5);
+  const std::vector<std::byte> garbage(40, std::byte{0xAB});
+  lab_.publish("LASER_SCAN_robot", garbage);
+  lab_.publish("VEHICLE_STATES", garbage);
+  core::LaserScan scan = crowd_->scan();
+  scan.utime = now_ + 1;
+  scan.ranges_m.resize(7);
+  bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+  scan = crowd_->scan();
+  scan.utime = now_ + 2;
+  scan.first_angle_rad = std::numeric_limits<double>::quiet_NaN();
+  bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+  scan = crowd_->scan();
+  scan.utime = now_ + 3;
+  for (std::size_t i = 0; i < 200; ++i) {
+    scan.ranges_m[5 * i] = i % 2 == 0 ? std::numeric_limits<float>::quiet_NaN() : -1.0F;
+  }
+  bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+  deliver();
+  run(0.1);
+  EXPECT_EQ(heard_.back().rejected_scans, 3);
+  EXPECT_EQ(heard_.back().rejected_poses, 1);
+  EXPECT_EQ(heard_.back().rejected_ranges, 200);
+  EXPECT_GE(heard_.back().num_tracks, 4);
+}
+
+TEST_F(PerceptionNodeTest, ForgetsTheWorldWhenItsPoseHasJumped) {
+  start();
+  run(1.0);
+  const std::int32_t before = heard_.back().tracks[0].id;
+  for (int i = 0; i < 10; ++i) {
+    now_ += 5'000;
+    sendPose(now_, 2.0);
+    deliver();
+  }
+  EXPECT_TRUE(node_->core().finder().tracker().all().empty());
+  for (int i = 0; i < 200; ++i) {
+    now_ += 5'000;
+    sendPose(now_, 2.0);
+    if (now_ % 25'000 == 0) {
+      core::LaserScan scan = crowd_->scan();
+      scan.utime = now_;
+      bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+    }
+    deliver();
+  }
+  ASSERT_GT(heard_.back().num_tracks, 0);
+  EXPECT_GT(heard_.back().tracks[0].id, before);
+  EXPECT_EQ(heard_.back().rejected_poses, 10);
+}
+
+TEST_F(PerceptionNodeTest, SaysTheSameInWhateverOrderMessagesArrive) {
+  // All poses a little late: the order on a wire is nobody's promise.
+  std::vector<std::vector<roundabout_msgs::agent_tracks_t>> said;
+  for (const bool poses_first : {true, false}) {
+    test::Crowd crowd({.walls = true});
+    heard_.clear();
+    bus::MemoryBus its_bus(network_);
+    PerceptionNode node(experiment_, "robot", nullptr, its_bus);
+    for (core::Utime now = 2'000'000; now < 4'000'000; now += 25'000) {
+      crowd.step(0.025);
+      core::LaserScan scan = crowd.scan();
+      scan.utime = now;
+      const auto send_poses = [&] {
+        for (core::Utime at = now; at < now + 25'000; at += 5'000) {
+          sendPose(at);
+        }
+      };
+      if (poses_first) {
+        send_poses();
+      }
+      bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+      if (!poses_first) {
+        send_poses();
+      }
+      its_bus.handle(milliseconds(0));
+      lab_.handle(milliseconds(0));
+    }
+    for (roundabout_msgs::agent_tracks_t& tracks : heard_) {
+      tracks.compute_time = 0.0;
+    }
+    said.push_back(heard_);
+  }
+  std::erase_if(said[0], [](const auto& message) { return message.num_tracks == 0; });
+  std::erase_if(said[1], [](const auto& message) { return message.num_tracks == 0; });
+  ASSERT_GT(said[0].size(), 60U);
+  ASSERT_EQ(said[0].size(), said[1].size());
+  for (std::size_t i = 0; i < said[0].size(); ++i) {
+    ASSERT_TRUE(bus::encode(said[0][i]) == bus::encode(said[1][i])) << i;
+  }
+}
+
+TEST_F(PerceptionNodeTest, CountsPicturesThatDoNotDecodeAndMissesASilentCamera) {
+  experiment_.vehicles[0].cameras.resize(1);
+  start(true);
+  run(0.5);
+  sendImage("bad", now_);
+  run(0.5);
+  EXPECT_EQ(heard_.back().rejected_images, 1);
+  sendImage("good", now_);
+  run(0.5);
+  EXPECT_EQ(heard_.back().rejected_images, 1);
+  EXPECT_EQ(heard_.back().health, kGood);
+  lab_.publish("IMAGE_robot_front", std::vector<std::byte>(50, std::byte{1}));
+  run(1.2);
+  EXPECT_EQ(heard_.back().rejected_images, 2);
+  EXPECT_EQ(heard_.back().health, kDegraded);
+  EXPECT_EQ(heard_.back().reason, "camera front is silent");
+  EXPECT_GE(heard_.back().num_tracks, 4);
+}
+
+TEST_F(PerceptionNodeTest, SavesItsMap) {
+  const test::ScratchFolder folder;
+  experiment_.perception.map_file = folder.file("world.bt");
+  start();
+  run(0.5);
+  EXPECT_TRUE(node_->core().saveMap());
+  EXPECT_GT(std::filesystem::file_size(folder / "world.bt"), 1000U);
+  experiment_.perception.map_file = folder.file("nowhere/world.bt");
+  bus::MemoryBus its_bus(network_);
+  PerceptionNode other(experiment_, "robot", nullptr, its_bus);
+  EXPECT_FALSE(other.core().saveMap());
+}
+
+TEST_F(PerceptionNodeTest, DoesNotStartWithoutALidar) {
+  experiment_.vehicles[0].lidar.reset();
+  EXPECT_EQ(
+      test::startupErrorOf([this] { start(); }),
+      "test.yaml: vehicles[0].lidar: expected one, since perception is asked for, found none");
+}
+
+}  // namespace
+}  // namespace roundabout::perception
