@@ -233,20 +233,25 @@ void PerceptionCore::updateMap(core::Utime now) {
     return;
   }
   waitForMap();
-  const bool publish = publish_timer_.due(now);
-  if (publish) {
-    map_out_ = core::OccupancyMap{now, vehicle_.name, experiment_.perception.map_resolution_m,
-                                  mapper_.binaryTree()};
-  }
-  mapping_ = std::async(std::launch::async, [this, update = mapUpdateOf(finder_, kFreeRange_m)] {
+  mapping_ = std::async(std::launch::async, [this, now, publish = publish_timer_.due(now),
+                                             update = mapUpdateOf(finder_, kFreeRange_m)] {
     mapper_.insert(update);
-    return mapper_.cells();
+    Mapped mapped{mapper_.cells(), {}};
+    if (publish) {
+      mapped.map = core::OccupancyMap{now, vehicle_.name, experiment_.perception.map_resolution_m,
+                                      mapper_.binaryTree()};
+    }
+    return mapped;
   });
 }
 
 void PerceptionCore::waitForMap() {
   if (mapping_.valid()) {
-    cells_ = mapping_.get();
+    Mapped mapped = mapping_.get();
+    cells_ = std::move(mapped.cells);
+    if (mapped.map) {
+      map_out_ = std::move(mapped.map);
+    }
   }
 }
 

@@ -63,6 +63,11 @@ class PerceptionCore {
     std::future<std::optional<std::vector<PersonBox>>> boxes;
   };
 
+  struct Mapped {
+    std::shared_ptr<const StaticCells> cells;
+    std::optional<core::OccupancyMap> map;
+  };
+
   void useScans();
   void useScan(const core::LaserScan& scan, const PlanarPose& begin, const PlanarPose& end);
   void useBoxes(core::Utime now);
@@ -99,7 +104,7 @@ class PerceptionCore {
   std::optional<core::OccupancyMap> map_out_;
   // Last, since they wait for their threads when they go.
   std::deque<Looking> looking_;
-  std::future<std::shared_ptr<const StaticCells>> mapping_;
+  std::future<Mapped> mapping_;
 };
 
 }  // namespace roundabout::perception

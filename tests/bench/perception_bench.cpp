@@ -1,0 +1,110 @@
+// From a sweep to tracks, and from a sweep to the map.
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include <benchmark/benchmark.h>
+
+#include "perception/agent_finder.h"
+#include "perception/clustering/table.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "tests/perception/crowd.h"
+
+namespace {
+
+using namespace roundabout;
+
+constexpr double kPeriod_s = 0.025;
+
+// What the thread has worked; the machine may be shared.
+double threadSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+test::CrowdSettings crowdOf(int people) {
+  test::CrowdSettings settings;
+  settings.people = people;
+  settings.walls = true;
+  settings.closest_m = 0.5;
+  return settings;
+}
+
+// 1080 beams over 270 degrees in a room of 14 m, one sweep an iteration; the map is known.
+void scanToTracks(benchmark::State& state, const char* clusterer) {
+  test::Crowd crowd(crowdOf(static_cast<int>(state.range(0))));
+  perception::AgentFinder finder({}, perception::makeClusterer(clusterer, "bench"));
+  perception::OccupancyMapper mapper(0.05, {Eigen::Vector2d(-8, -8), Eigen::Vector2d(8, 8)});
+  std::vector<core::LaserScan> scans;
+  std::vector<double> times_s;
+  std::vector<double> cpu_times_s;
+  for (int i = 0; i < 2000; ++i) {
+    crowd.step(kPeriod_s);
+    scans.push_back(crowd.scan());
+  }
+  finder.update(scans[0], {}, {}, nullptr);
+  mapper.insert(perception::mapUpdateOf(finder, 6.0));
+  const auto cells = mapper.cells();
+  std::size_t next = 1;
+  for (auto _ : state) {
+    if (next == scans.size()) {
+      finder.forget();
+      next = 1;
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const double cpu_begin_s = threadSeconds();
+    finder.update(scans[next++], {}, {}, cells.get());
+    benchmark::DoNotOptimize(finder.tracker().tracks());
+    times_s.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    cpu_times_s.push_back(threadSeconds() - cpu_begin_s);
+  }
+  std::sort(times_s.begin(), times_s.end());
+  state.counters["p99_us"] = 1e6 * times_s[times_s.size() * 99 / 100];
+  std::sort(cpu_times_s.begin(), cpu_times_s.end());
+  state.counters["cpu_p99_us"] = 1e6 * cpu_times_s[cpu_times_s.size() * 99 / 100];
+}
+BENCHMARK_CAPTURE(scanToTracks, breakpoints, "breakpoints")
+    ->Arg(6)
+    ->Arg(12)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(scanToTracks, dynamic_means, "dynamic_means")
+    ->Arg(6)
+    ->Arg(12)
+    ->Unit(benchmark::kMicrosecond);
+
+// The same sweeps into an OctoMap of 16 m with cells of 5 cm.
+void scanToMap(benchmark::State& state) {
+  test::Crowd crowd(crowdOf(6));
+  perception::AgentFinder finder({}, perception::makeClusterer("breakpoints", "bench"));
+  perception::OccupancyMapper mapper(0.05, {Eigen::Vector2d(-8, -8), Eigen::Vector2d(8, 8)});
+  for (auto _ : state) {
+    state.PauseTiming();
+    crowd.step(0.1);
+    finder.update(crowd.scan(), {}, {}, nullptr);
+    const perception::MapUpdate update = perception::mapUpdateOf(finder, 6.0);
+    state.ResumeTiming();
+    mapper.insert(update);
+    benchmark::DoNotOptimize(mapper.cells());
+  }
+}
+BENCHMARK(scanToMap)->Unit(benchmark::kMillisecond);
+
+void mapToMessage(benchmark::State& state) {
+  test::Crowd crowd(crowdOf(6));
+  perception::AgentFinder finder({}, perception::makeClusterer("breakpoints", "bench"));
+  perception::OccupancyMapper mapper(0.05, {Eigen::Vector2d(-8, -8), Eigen::Vector2d(8, 8)});
+  crowd.step(0.1);
+  finder.update(crowd.scan(), {}, {}, nullptr);
+  mapper.insert(perception::mapUpdateOf(finder, 6.0));
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    bytes = mapper.binaryTree().size();
+  }
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+BENCHMARK(mapToMessage)->Unit(benchmark::kMillisecond);
+
+}  // namespace
