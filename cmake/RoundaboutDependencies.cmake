@@ -13,6 +13,15 @@ find_package(benchmark REQUIRED)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 find_program(LCM_GEN lcm-gen REQUIRED)
 
+# libtorch-dev has a CMake package, but it looks for what it was built with.
+find_path(TORCH_INCLUDE_DIR ATen/ATen.h REQUIRED)
+find_library(TORCH_CPU_LIBRARY torch_cpu REQUIRED)
+find_library(TORCH_C10_LIBRARY c10 REQUIRED)
+add_library(roundabout_libtorch INTERFACE)
+add_library(roundabout::torch ALIAS roundabout_libtorch)
+target_include_directories(roundabout_libtorch SYSTEM INTERFACE ${TORCH_INCLUDE_DIR})
+target_link_libraries(roundabout_libtorch INTERFACE ${TORCH_CPU_LIBRARY} ${TORCH_C10_LIBRARY})
+
 # liblcm-dev has no CMake package, and its pkg-config file needs libglib2.0-dev.
 add_library(roundabout::lcm ALIAS PkgConfig::LCM)
 

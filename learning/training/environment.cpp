@@ -18,7 +18,6 @@ namespace {
 // in the way of a short path takes that and more.
 constexpr double kTimeRatio = 2.0;
 constexpr double kTimeAllowance_s = 5.0;
-constexpr int kMaxOthers = 19;
 
 }  // namespace
 
@@ -27,7 +26,7 @@ Environment::Environment(const Recipe& recipe, core::RandomStream random)
       random_(std::move(random)),
       rules_(makeRules("published")),
       straight_(planner::makeNonCooperative({})),
-      encoder_(kMaxOthers, planner::OthersOrder::kClosestLast) {
+      encoder_(recipe.max_others, planner::othersOrderNamed(recipe.others_order).value()) {
   rules_.time_ratio = kTimeRatio;
   rules_.time_allowance_s = kTimeAllowance_s;
 }

@@ -18,7 +18,6 @@ using Eigen::Vector2d;
 
 constexpr double kTimeRatio = 2.0;
 constexpr double kTimeAllowance_s = 8.0;
-constexpr int kMaxOthers = 19;
 
 /// What one learner saw and did. Shared by a policy and its twin that flies.
 struct Diary {
@@ -35,7 +34,7 @@ class Learner final : public planner::Policy {
         sharpness_(sharpness),
         random_(random),
         diary_(std::move(diary)),
-        encoder_(kMaxOthers, planner::OthersOrder::kClosestLast),
+        encoder_(weights_->max_others, weights_->others_order),
         network_(weights_) {}
 
   planner::Decision decide(const core::EgoAgent& ego, const core::Surroundings& around) override {

@@ -39,7 +39,20 @@ ParameterLayout::Layer ParameterLayout::layer(const std::string& name) const {
   const std::string kernel = name + "/kernel";
   const auto spec = std::find_if(tensors_.begin(), tensors_.end(),
                                  [&](const auto& tensor) { return tensor.name == kernel; });
-  return {begins_.at(kernel), begins_.at(name + "/bias"), spec->rows, spec->columns};
+  const auto bias = begins_.find(name + "/bias");
+  return {begins_.at(kernel), bias == begins_.end() ? -1 : bias->second, spec->rows, spec->columns};
+}
+
+std::map<std::string, ParameterLayout::Layer, std::less<>> ParameterLayout::layers() const {
+  constexpr std::string_view kKernel = "/kernel";
+  std::map<std::string, Layer, std::less<>> layers;
+  for (const planner::nn::TensorSpec& tensor : tensors_) {
+    if (tensor.name.ends_with(kKernel)) {
+      const std::string name(tensor.name.substr(0, tensor.name.size() - kKernel.size()));
+      layers[name] = layer(name);
+    }
+  }
+  return layers;
 }
 
 void ParameterLayout::write(const Parameters& parameters, const std::string& prefix,

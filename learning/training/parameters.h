@@ -20,7 +20,7 @@ using Parameters = Eigen::VectorXf;
 /// Where each tensor of an architecture is among its parameters.
 class ParameterLayout {
  public:
-  /// Where a layer's kernel [inputs, outputs] and bias begin.
+  /// Where a layer's kernel [inputs, outputs] and bias begin. A layer may have no bias: -1.
   struct Layer {
     Eigen::Index kernel = 0;
     Eigen::Index bias = 0;
@@ -34,8 +34,11 @@ class ParameterLayout {
   Eigen::Index size() const { return size_; }
   /// Without what lies between them.
   Eigen::Index count() const;
+  bool has(const std::string& layer) const { return begins_.contains(layer + "/kernel"); }
   /// NAME/kernel and NAME/bias.
   Layer layer(const std::string& name) const;
+  /// All of them, by name.
+  std::map<std::string, Layer, std::less<>> layers() const;
 
   /// prefix: put before the tensors' names.
   void write(const Parameters& parameters, const std::string& prefix,

@@ -67,7 +67,11 @@ void describe(Visitor& visit, Validation& validation) {
 
 template <class Visitor>
 void describe(Visitor& visit, Recipe& recipe) {
-  visit("network", recipe.network, config::oneOf({"pool"}));
+  visit("network", recipe.network, config::oneOf({"pool", "lstm", "ws", "attention"}));
+  visit("engine", recipe.engine, config::oneOf({"auto", "torch"}));
+  visit("max_others", recipe.max_others, between(1.0, 100.0));
+  visit("others_order", recipe.others_order,
+        config::oneOf({"closest_last", "closest_first", "time_to_collision"}));
   visit("begin_with", recipe.begin_with);
   visit("seed", recipe.seed);
   visit("shards", recipe.shards, between(1.0, 256.0));

@@ -69,6 +69,9 @@ struct Validation {
 
 struct Recipe {
   std::string network = "pool";
+  std::string engine = "auto";  ///< or "torch", also where there is a network written by hand
+  int max_others = 19;          ///< the network is shown; the room of one with shared weights
+  std::string others_order = "closest_last";
   std::string begin_with;  ///< weight file of such a network; empty: from nothing
   std::uint64_t seed = 1;
   int shards = 4;  ///< parts of a batch that may be computed at the same time

@@ -194,7 +194,7 @@ TensorFile RunFolder::networkFile(const Trainer& trainer, const Expense& expense
                                   const std::string& figures) const {
   const TrainingState& state = trainer.state();
   TensorFile file = weightFile(
-      trainer.layout(), state.averaged,
+      trainer.plan(), state.averaged,
       fmt::format("trained by roundabout train from {}, seed {}, {} agent-steps, {} updates, "
                   "{:.0f} s of computing, {}",
                   recipe_.begin_with.empty() ? "nothing" : recipe_.begin_with, recipe_.seed,

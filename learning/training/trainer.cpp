@@ -15,16 +15,12 @@ namespace roundabout::learning {
 
 namespace {
 
-ParameterLayout layoutOf(const Recipe&) {
-  return ParameterLayout(planner::ga3cCadrlTensors(planner::kPooledArchitecture, 1));
-}
-
 TrainingState initialState(const Recipe& recipe) {
-  const ParameterLayout layout = layoutOf(recipe);
+  const ParameterLayout layout = networkPlan(recipe).layout();
   TrainingState state(layout.size());
   if (recipe.begin_with.empty()) {
     core::RandomStream random(recipe.seed, "training/parameters");
-    state.parameters = PoolNetwork::initialise(layout, random);
+    state.parameters = initialParameters(layout, random);
   } else {
     state.parameters =
         layout.read(planner::nn::readSafetensors(recipe.begin_with), "", recipe.begin_with);
@@ -35,16 +31,20 @@ TrainingState initialState(const Recipe& recipe) {
 
 }  // namespace
 
-Trainer::Shard::Shard(const ParameterLayout& layout)
-    : network(layout), gradient(Parameters::Zero(layout.size())) {}
+Trainer::Shard::Shard(const NetworkPlan& plan, Eigen::Index parameters)
+    : network(makeNetwork(plan)), gradient(Parameters::Zero(parameters)) {}
 
 Trainer::Trainer(const Recipe& recipe, int threads)
     : Trainer(recipe, threads, initialState(recipe)) {}
 
 Trainer::Trainer(const Recipe& recipe, int threads, TrainingState state)
-    : recipe_(recipe), layout_(layoutOf(recipe)), state_(std::move(state)), workers_(threads) {
+    : recipe_(recipe),
+      plan_(networkPlan(recipe)),
+      layout_(plan_.layout()),
+      state_(std::move(state)),
+      workers_(threads) {
   for (int i = 0; i < recipe_.shards; ++i) {
-    shards_.emplace_back(layout_);
+    shards_.emplace_back(plan_, layout_.size());
   }
   renewEnvironments();
 }
@@ -71,7 +71,7 @@ IterationFigures Trainer::iterate() {
   place_ = stageAt(recipe_, static_cast<double>(state_.agent_steps));
   figures.learning_rate = place_.stage->at(place_.stage->learning_rate, place_.done);
   if (place_.stage->world == "lab") {
-    flown_ = planner::toGa3cCadrlWeights(weightFile(layout_, state_.parameters, "in training"),
+    flown_ = planner::toGa3cCadrlWeights(weightFile(plan_, state_.parameters, "in training"),
                                          "network in training");
   }
   workers_.forEach(recipe_.shards,
@@ -113,7 +113,7 @@ void Trainer::stepEnvironments(Shard& shard) {
     for (std::size_t s = first; s < samples.size(); ++s) {
       shard.batch.add(samples.ego[s], samples.othersOf(s));
     }
-    return shard.network.forward(state_.parameters, shard.batch);
+    return shard.network->forward(state_.parameters, shard.batch);
   };
   for (Environment& environment : shard.environments) {
     environment.enter(stage, stage.at(stage.collision_reward, place_.done));
@@ -210,7 +210,7 @@ LossFigures Trainer::addGradient(Shard& shard, std::span<const std::uint32_t> or
   for (const std::uint32_t s : order) {
     shard.batch.add(samples_.ego[s], samples_.othersOf(s));
   }
-  const Matrix& heads = shard.network.forward(state_.parameters, shard.batch);
+  const Matrix& heads = shard.network->forward(state_.parameters, shard.batch);
   shard.d_heads.resize(heads.rows(), kHeads);
   LossFigures sum;
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -219,7 +219,7 @@ LossFigures Trainer::addGradient(Shard& shard, std::span<const std::uint32_t> or
                    heads.row(row), shard.d_heads.row(row));
   }
   shard.gradient.setZero();
-  shard.network.backward(state_.parameters, shard.batch, shard.d_heads, shard.gradient);
+  shard.network->backward(state_.parameters, shard.batch, shard.d_heads, shard.gradient);
   return sum;
 }
 

@@ -9,7 +9,7 @@
 #include "learning/training/adam.h"
 #include "learning/training/environment.h"
 #include "learning/training/lab_roll_out.h"
-#include "learning/training/pool_network.h"
+#include "learning/training/networks.h"
 #include "learning/training/ppo_loss.h"
 #include "learning/training/workers.h"
 
@@ -53,12 +53,13 @@ class Trainer {
   void renewEnvironments();
 
   const TrainingState& state() const { return state_; }
+  const NetworkPlan& plan() const { return plan_; }
   const ParameterLayout& layout() const { return layout_; }
 
  private:
   /// A part of the environments, and of every batch.
   struct Shard {
-    explicit Shard(const ParameterLayout& layout);
+    Shard(const NetworkPlan& plan, Eigen::Index parameters);
 
     std::deque<Environment> environments;  ///< they do not move
     std::optional<LabRollOut> lab;
@@ -66,7 +67,7 @@ class Trainer {
     Samples beyond;
     std::vector<std::size_t> last_samples;
     Batch batch;
-    PoolNetwork network;
+    std::unique_ptr<TrainableNetwork> network;
     Matrix d_heads;
     Parameters gradient;
     LossFigures figures;
@@ -82,6 +83,7 @@ class Trainer {
   bool update(std::span<const std::uint32_t> order, LossFigures& sum);
 
   const Recipe recipe_;
+  NetworkPlan plan_;
   ParameterLayout layout_;
   TrainingState state_;
   Workers workers_;

@@ -4,20 +4,14 @@
 
 namespace roundabout::learning {
 
-namespace {
-
-constexpr int kMaxOthers = 19;  // as the published networks
-
-}  // namespace
-
-planner::nn::TensorFile weightFile(const ParameterLayout& layout, const Parameters& parameters,
+planner::nn::TensorFile weightFile(const NetworkPlan& plan, const Parameters& parameters,
                                    const std::string& provenance) {
   planner::nn::TensorFile file;
-  layout.write(parameters, "", file);
-  file.metadata = planner::ga3cCadrlMetadata({.architecture = planner::kPooledArchitecture,
+  plan.layout().write(parameters, "", file);
+  file.metadata = planner::ga3cCadrlMetadata({.architecture = plan.architecture,
                                               .normalisation = planner::kPublishedNormalisation,
-                                              .max_others = kMaxOthers,
-                                              .others_order = planner::OthersOrder::kClosestLast,
+                                              .max_others = plan.max_others,
+                                              .others_order = plan.others_order,
                                               .value_baseline = planner::ValueBaseline::kLoneAgent,
                                               .stall = planner::StallSettings{},
                                               .provenance = provenance});

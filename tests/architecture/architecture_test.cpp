@@ -102,8 +102,26 @@ TEST(Architecture, ModulesDoNotKnowEachOther) {
 
 TEST(Architecture, VisionAndLearningLibrariesStayOutside) {
   for (const char* folder : {"common", "mocap_bridge", "planner", "fleet", "sim", "logs", "cli"}) {
-    expectNone(folder, R"(^opencv|^octomap|^torch/)");
+    expectNone(folder, R"(^opencv|^octomap|^torch/|^ATen/|^c10/)");
   }
+  // One file of it, in a library of its own.
+  expectNone("learning", R"(^torch/|^ATen/|^c10/)", "^learning/torch/");
+}
+
+// It would cost every program half a second at its start.
+TEST(Architecture, NoProgramIsLinkedWithLibtorch) {
+  int programs = 0;
+  for (const auto& entry : fs::directory_iterator(ROUNDABOUT_BIN_DIR)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "libroundabout_torch.so") {
+      continue;
+    }
+    ++programs;
+    std::ifstream stream(entry.path(), std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    EXPECT_EQ(bytes.find("libtorch_cpu.so"), std::string::npos) << entry.path();
+    EXPECT_EQ(bytes.find("libc10.so"), std::string::npos) << entry.path();
+  }
+  EXPECT_GE(programs, 1);
 }
 
 TEST(Architecture, VisionLibrariesStayInFewFiles) {

@@ -12,8 +12,10 @@ inline constexpr int kOtherInputs = static_cast<int>(kOtherFields.size());
 inline constexpr int kEgoInputs = static_cast<int>(kEgoFields.size());
 /// Units that read one other agent.
 inline constexpr int kReaderUnits = 64;
-/// The same, where a maximum over the others follows.
+/// The same, where a maximum over the others follows, or a weighted mean.
 inline constexpr int kPooledUnits = 128;
+/// Weighted means side by side, each of its own part of the units.
+inline constexpr int kAttentionHeads = 4;
 
 /// The ego, normalised.
 using EgoInput = nn::Row<kEgoInputs>;
@@ -51,6 +53,19 @@ struct PooledReader {
   void read(const EgoInput& ego, std::span<const OtherInput> others, Summary summary) const;
 };
 
-using OthersReader = std::variant<RecurrentReader, SharedReader, PooledReader>;
+/// Reads every other agent, beside the ego, with the same two layers, as PooledReader does. Of what
+/// comes out it makes contents and a score for each head; a head's summary is the mean of its part
+/// of the contents, weighted by the softmax of its scores over the others (as in Chen et al. 2019,
+/// "Crowd-Robot Interaction", with several heads); zero without any others.
+struct AttentiveReader {
+  nn::Dense<kEgoInputs + kOtherInputs, kPooledUnits> first;
+  nn::Dense<kPooledUnits, kPooledUnits> second;
+  nn::Kernel<kAttentionHeads> score;
+  nn::Dense<kPooledUnits, kPooledUnits> content;
+
+  void read(const EgoInput& ego, std::span<const OtherInput> others, Summary summary) const;
+};
+
+using OthersReader = std::variant<RecurrentReader, SharedReader, PooledReader, AttentiveReader>;
 
 }  // namespace roundabout::planner

@@ -82,8 +82,8 @@ std::optional<StallSettings> stallSettings(const nn::WeightFile& file, const std
 
 std::string_view knownArchitecture(const nn::WeightFile& file) {
   const std::string& found = file.text("architecture");
-  constexpr std::array kKnown = {kLstmArchitecture, kWeightSharingArchitecture,
-                                 kPooledArchitecture};
+  constexpr std::array kKnown = {kLstmArchitecture, kWeightSharingArchitecture, kPooledArchitecture,
+                                 kAttentionArchitecture};
   for (const std::string_view known : kKnown) {
     if (found == known) {
       return known;
@@ -129,12 +129,22 @@ PooledReader pooledReader(const nn::WeightFile& file) {
   return reader;
 }
 
+AttentiveReader attentiveReader(const nn::WeightFile& file) {
+  AttentiveReader reader;
+  file.fill(reader.first, "other1");
+  file.fill(reader.second, "other2");
+  file.fill(reader.content, "content");
+  reader.score = file.matrix("score/kernel");
+  return reader;
+}
+
 }  // namespace
 
 std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int max_others) {
   constexpr int kWidth = Ga3cCadrlWeights::kWidth;
   const bool shared = architecture == kWeightSharingArchitecture;
-  const bool pooled = architecture == kPooledArchitecture;
+  const bool attentive = architecture == kAttentionArchitecture;
+  const bool pooled = architecture == kPooledArchitecture || attentive;
   const int summary = pooled ? kPooledUnits : kReaderUnits * (shared ? max_others : 1);
   std::vector<nn::TensorSpec> tensors = {
       {"layer1/kernel", Ga3cCadrlWeights::kEgoInputs + summary, kWidth},
@@ -155,7 +165,13 @@ std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int 
     tensors.push_back({"other1/bias", 0, kPooledUnits});
     tensors.push_back({"other2/kernel", kPooledUnits, kPooledUnits});
     tensors.push_back({"other2/bias", 0, kPooledUnits});
-  } else {
+  }
+  if (attentive) {
+    tensors.push_back({"content/kernel", kPooledUnits, kPooledUnits});
+    tensors.push_back({"content/bias", 0, kPooledUnits});
+    tensors.push_back({"score/kernel", kPooledUnits, kAttentionHeads});
+  }
+  if (!shared && !pooled) {
     tensors.push_back({"lstm/kernel", kOtherInputs + kReaderUnits, 4 * kReaderUnits});
     tensors.push_back({"lstm/bias", 0, 4 * kReaderUnits});
   }
@@ -213,6 +229,8 @@ std::shared_ptr<const Ga3cCadrlWeights> toGa3cCadrlWeights(const nn::TensorFile&
     weights->others = sharedReader(file, *weights);
   } else if (architecture == kPooledArchitecture) {
     weights->others = pooledReader(file);
+  } else if (architecture == kAttentionArchitecture) {
+    weights->others = attentiveReader(file);
   } else {
     weights->others = recurrentReader(file);
   }

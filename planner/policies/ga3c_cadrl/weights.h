@@ -14,10 +14,12 @@
 
 namespace roundabout::planner {
 
-/// With an LSTM, with weights shared by all other agents, and with a maximum over them.
+/// With an LSTM, with weights shared by all other agents, with a maximum and with attention over
+/// them.
 inline constexpr std::string_view kLstmArchitecture = "ga3c_cadrl_lstm";
 inline constexpr std::string_view kWeightSharingArchitecture = "ga3c_cadrl_ws";
 inline constexpr std::string_view kPooledArchitecture = "ga3c_cadrl_pool";
+inline constexpr std::string_view kAttentionArchitecture = "ga3c_cadrl_attention";
 
 /// The tensors of a file. Kernels are [inputs, outputs].
 std::vector<nn::TensorSpec> ga3cCadrlTensors(std::string_view architecture, int max_others);

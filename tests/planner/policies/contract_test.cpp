@@ -41,7 +41,8 @@ struct Answer {
 };
 
 // The table's ga3c_cadrl again, with networks of other architectures.
-constexpr std::array kOtherArchitectures = {kWeightSharingArchitecture, kPooledArchitecture};
+constexpr std::array kOtherArchitectures = {kWeightSharingArchitecture, kPooledArchitecture,
+                                            kAttentionArchitecture};
 
 bool isArchitecture(std::string_view name) {
   return std::ranges::find(kOtherArchitectures, name) != kOtherArchitectures.end();

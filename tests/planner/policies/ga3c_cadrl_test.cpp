@@ -67,17 +67,46 @@ class PlainNetwork {
     const std::string& architecture = file_.metadata.at("architecture");
     return architecture == kLstmArchitecture            ? lstm(observation.others)
            : architecture == kWeightSharingArchitecture ? slots(observation.others)
+           : architecture == kAttentionArchitecture     ? attention(observation)
                                                         : maximum(observation);
+  }
+
+  Numbers readPair(const EgoFeatures& ego, const OtherFeatures& other) const {
+    const Normalisation norm = test::unusualNormalisation();
+    const Numbers pair = joined(ego, norm.ego_mean, norm.ego_deviation,
+                                joined(other, norm.other_mean, norm.other_deviation, {}));
+    return relu(layer("other2", relu(layer("other1", pair))));
+  }
+
+  // Four heads, of 32 units each: the mean of the others' contents, weighted by softmax(scores).
+  Numbers attention(const Observation& observation) const {
+    Numbers summary(128, 0.0);
+    for (std::size_t head = 0; head < 4; ++head) {
+      double sum = 0.0;
+      for (const OtherFeatures& other : observation.others) {
+        const Numbers read = readPair(observation.ego, other);
+        const Numbers content = layer("content", read);
+        double score = 0.0;
+        for (std::size_t i = 0; i < read.size(); ++i) {
+          score += read[i] * double{file_.tensors.at("score/kernel").values[4 * i + head]};
+        }
+        sum += std::exp(score);
+        for (std::size_t k = 32 * head; k < 32 * (head + 1); ++k) {
+          summary[k] += std::exp(score) * content[k];
+        }
+      }
+      for (std::size_t k = 32 * head; k < 32 * (head + 1) && sum > 0.0; ++k) {
+        summary[k] /= sum;
+      }
+    }
+    return summary;
   }
 
   // The largest of each unit, over the others.
   Numbers maximum(const Observation& observation) const {
-    const Normalisation norm = test::unusualNormalisation();
     Numbers best(128, 0.0);
     for (const OtherFeatures& other : observation.others) {
-      const Numbers pair = joined(observation.ego, norm.ego_mean, norm.ego_deviation,
-                                  joined(other, norm.other_mean, norm.other_deviation, {}));
-      const Numbers output = relu(layer("other2", relu(layer("other1", pair))));
+      const Numbers output = readPair(observation.ego, other);
       for (std::size_t k = 0; k < best.size(); ++k) {
         best[k] = std::max(best[k], output[k]);
       }
@@ -175,6 +204,10 @@ TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPassWhenOthersShareWeights) {
 
 TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPassWithAMaximumOverOthers) {
   expectThePlainForwardPass(test::randomGa3cCadrl(14, kPooledArchitecture));
+}
+
+TEST(Ga3cCadrlNetwork, EqualsThePlainForwardPassWithAttentionOverOthers) {
+  expectThePlainForwardPass(test::randomGa3cCadrl(17, kAttentionArchitecture));
 }
 
 TEST(Ga3cCadrlNetwork, DoesNotCareForTheOrderOfOthersWithAMaximumOverThem) {

@@ -124,7 +124,7 @@ TEST_F(Ga3cCadrlWeightFile, IsRefusedWithoutOneOfItsMetadata) {
 TEST_F(Ga3cCadrlWeightFile, IsRefusedWhenItIsForAnotherNetwork) {
   EXPECT_EQ(errorWith("architecture", "drl_maca"),
             "net.safetensors: metadata architecture: expected one of ga3c_cadrl_lstm, "
-            "ga3c_cadrl_ws, ga3c_cadrl_pool, found \"drl_maca\"");
+            "ga3c_cadrl_ws, ga3c_cadrl_pool, ga3c_cadrl_attention, found \"drl_maca\"");
   EXPECT_THAT(errorWith("format_version", "2"), HasSubstr("expected \"1\", found \"2\""));
 }
 
