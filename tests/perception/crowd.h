@@ -96,20 +96,21 @@ class Crowd {
     return truth;
   }
 
-  /// Those whose legs a scan shows: in view and not behind somebody for all of them.
+  /// Those within reach and in view.
   std::vector<perception::Sighting> visible() const {
-    std::vector<perception::Sighting> seen;
-    const perception::PlanarPose own = robot();
-    for (const perception::Sighting& somebody : truth()) {
-      const Eigen::Vector2d ray_m = somebody.position_m - own.position_m;
-      const double bearing = std::remainder(std::atan2(ray_m.y(), ray_m.x()) - own.heading_rad,
-                                            2.0 * std::numbers::pi);
-      if (std::abs(bearing) < settings_.field_of_view_rad / 2.0 - 0.1 &&
-          ray_m.norm() < settings_.reach_m) {
-        seen.push_back(somebody);
-      }
-    }
+    std::vector<perception::Sighting> seen = truth();
+    std::erase_if(seen, [this](const perception::Sighting& somebody) {
+      return !inView(somebody.position_m);
+    });
     return seen;
+  }
+
+  /// False for a track of somebody whom visible() leaves out.
+  bool isJudged(const Eigen::Vector2d& position_m) const {
+    return inView(position_m) &&
+           std::none_of(people_.begin(), people_.end(), [&](const Person& person) {
+             return !inView(person.position_m) && (person.position_m - position_m).norm() < 0.5;
+           });
   }
 
  private:
@@ -122,6 +123,14 @@ class Crowd {
     double heading_rad = 0.0;
     double phase_rad = 0.0;
   };
+
+  bool inView(const Eigen::Vector2d& position_m) const {
+    const Eigen::Vector2d ray_m = position_m - robot().position_m;
+    const double bearing = std::remainder(std::atan2(ray_m.y(), ray_m.x()) - robot().heading_rad,
+                                          2.0 * std::numbers::pi);
+    return std::abs(bearing) < settings_.field_of_view_rad / 2.0 - 0.1 &&
+           ray_m.norm() < settings_.reach_m;
+  }
 
   Eigen::Vector2d freePlace() {
     while (true) {

@@ -16,6 +16,7 @@ ClearMot::Result follow(const test::CrowdSettings& settings, const std::string& 
   test::Crowd crowd(settings);
   config::Perception perception;
   perception.max_range_m = settings.range_m;
+  if (const char* q = getenv("ACC")) perception.acceleration_density = atof(q);
   AgentFinder finder(perception, makeClusterer(clusterer, "test"));
   ClearMot judge(0.5);
   constexpr double kPeriod_s = 0.025;
@@ -24,7 +25,9 @@ ClearMot::Result follow(const test::CrowdSettings& settings, const std::string& 
     finder.update(crowd.scan(), crowd.robot(), crowd.robot(), nullptr);
     std::vector<Sighting> tracked;
     for (const core::AgentTrack& track : finder.tracker().tracks()) {
-      tracked.push_back({track.id, track.position_world_m, track.velocity_world_mps});
+      if (crowd.isJudged(track.position_world_m)) {
+        tracked.push_back({track.id, track.position_world_m, track.velocity_world_mps});
+      }
     }
     if (time_s > 1.0) {
       judge.add(crowd.visible(), tracked);
