@@ -1,7 +1,9 @@
 #include "cli/mission_command.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -17,6 +19,7 @@
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
 #include "common/config/experiment_file.h"
+#include "common/core/error.h"
 #include "common/core/fleet_phase.h"
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/mission_t.hpp"
@@ -34,6 +37,8 @@ constexpr double kAnswerLimit_s = 1.5;
 struct MissionOptions {
   config::MissionStep step;
   std::vector<double> point_m;
+  std::vector<std::string> points;
+  std::string event;
   std::string file;
   bool follow = false;
   std::string lcm_url;
@@ -105,6 +110,31 @@ roundabout_msgs::mission_t toMessage(const config::MissionStep& step, std::int64
   }
   message.num_points = static_cast<std::int32_t>(message.points.size());
   return message;
+}
+
+/// "1,2,1": metres.
+Eigen::Vector3d pointOf(const std::string& text) {
+  Eigen::Vector3d point_m;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    const auto [rest, error] = std::from_chars(at, end, point_m[i]);
+    if (error != std::errc() || (i < 2 ? rest == end || *rest != ',' : rest != end)) {
+      throw core::StartupError("mission formation", "points", "x,y,z (metres, no blanks)", text);
+    }
+    at = rest + 1;
+  }
+  return point_m;
+}
+
+/// What wait_until waits for: a word, or seconds since the take-off.
+void setEvent(config::MissionStep& step, const std::string& event) {
+  const char* const end = event.data() + event.size();
+  const auto [rest, error] = std::from_chars(event.data(), end, step.seconds);
+  if (error != std::errc() || rest != end) {
+    step.seconds = -1.0;
+    step.text = event;
+  }
 }
 
 std::string lineOf(const fleet_status_t& status) {
@@ -209,9 +239,12 @@ int showStatus(const MissionOptions& options) {
   }
   fmt::print("{}\n", lineOf(fleet.status()));
   for (const auto& vehicle : fleet.status().vehicles) {
-    fmt::print("  {:<12} goal ({:.2f}, {:.2f}, {:.2f}) m, {:.2f} m to go{}{}\n", vehicle.vehicle,
-               vehicle.goal[0], vehicle.goal[1], vehicle.goal[2], vehicle.distance,
-               vehicle.at_goal != 0 ? ", there" : "",
+    const std::string goal =
+        std::isnan(vehicle.distance)
+            ? "no goal"
+            : fmt::format("goal ({:.2f}, {:.2f}, {:.2f}) m, {:.2f} m to go", vehicle.goal[0],
+                          vehicle.goal[1], vehicle.goal[2], vehicle.distance);
+    fmt::print("  {:<12} {}{}{}\n", vehicle.vehicle, goal, vehicle.at_goal != 0 ? ", there" : "",
                vehicle.planner_alive != 0 ? "" : ", no planner");
   }
   return 0;
@@ -248,6 +281,12 @@ void addMissionCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = add(name, help);
     command->add_flag("--follow", options->follow, "Says what changes until it is done");
     command->callback([options, name, &exit_status] {
+      for (const std::string& point : options->points) {
+        options->step.points_m.push_back(pointOf(point));
+      }
+      if (!options->event.empty()) {
+        setEvent(options->step, options->event);
+      }
       options->step.verb = name;
       if (!options->point_m.empty()) {
         options->step.points_m = {Eigen::Vector3d(options->point_m.data())};
@@ -257,15 +296,31 @@ void addMissionCommand(CLI::App& app, int& exit_status) {
     return command;
   };
   verb("take_off", "Everybody climbs above its place");
-  verb("spell", "Letter by letter")
+  const auto staying = [options](CLI::App* command) {
+    command->add_option("--seconds", options->step.seconds, "To stay; default: fleet.hold_s")
+        ->check(CLI::NonNegativeNumber);
+    return command;
+  };
+  staying(verb("spell", "Letter by letter"))
       ->add_option("text", options->step.text, "What to spell")
       ->required();
+  CLI::App* formation = staying(verb("formation", "A vehicle goes to each point"));
+  formation->add_option("points", options->points, "x,y,z each, m, world; no blanks within")
+      ->required();
+  formation->add_option("--name", options->step.text, "Shown while it is flown");
   CLI::App* go_to = verb("go_to", "One vehicle goes to a point");
   go_to->add_option("vehicle", options->step.vehicle, "Which")->required();
   go_to->add_option("point", options->point_m, "x y z, m, world")->required()->expected(3);
   verb("wait", "Nothing changes for a while")
       ->add_option("seconds", options->step.seconds, "s of data time")
       ->required();
+  verb("wait_until", "Nothing changes until something is so")
+      ->add_option("what", options->event, "formed, go_on, or seconds since the take-off began")
+      ->required();
+  add("go_on", "Ends a wait_until go_on")->callback([options, &exit_status] {
+    options->step.verb = "go_on";
+    exit_status = sendSteps(*options, {options->step});
+  });
   verb("hold", "Everybody stays, at once; what is queued is dropped");
   verb("land", "Everybody descends where it is, at once; what is queued is dropped");
 

@@ -14,7 +14,7 @@ if(ROUNDABOUT_SANITIZE)
   # GCC warns of values in its own headers that instrumentation makes it lose track of.
   target_compile_options(roundabout_options INTERFACE
     -fsanitize=${ROUNDABOUT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-    -Wno-maybe-uninitialized)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(roundabout_options INTERFACE -fsanitize=${ROUNDABOUT_SANITIZE})
 elseif(ROUNDABOUT_NATIVE)
   target_compile_options(roundabout_options INTERFACE -march=native)

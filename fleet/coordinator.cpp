@@ -46,6 +46,10 @@ void Coordinator::takeMissions(core::Utime now) {
 void Coordinator::take(core::Utime now, const Asked& asked) {
   const std::int64_t mission_id = asked.mission_id;
   newest_mission_ = std::max(newest_mission_, mission_id);
+  if (asked.step.verb == "go_on") {
+    goOn(now, mission_id);
+    return;
+  }
   StepsOrRefusal steps = reader_.read(asked.step);
   if (const auto* refusal = std::get_if<std::string>(&steps)) {
     refuse(mission_id, *refusal);
@@ -81,6 +85,19 @@ void Coordinator::take(core::Utime now, const Asked& asked) {
     failure_.clear();
     next(now);
   }
+}
+
+/// Whatever else was asked for goes on; nothing is flown under this id.
+void Coordinator::goOn(core::Utime now, std::int64_t mission_id) {
+  if (waitsFor(Event::kGoOn)) {
+    stepDone(now);
+  } else {
+    refuse(mission_id, "nothing waits for go_on");
+  }
+}
+
+bool Coordinator::waitsFor(Event event) const {
+  return stepping() && failure_.empty() && step().verb == Verb::kWaitUntil && step().event == event;
 }
 
 /// Forgets what is queued.
@@ -127,6 +144,7 @@ Coordinator::Output Coordinator::tick(const core::StatesFrame& frame) {
 }
 
 void Coordinator::start(core::Utime now) {
+  took_off_ = now;
   std::int64_t known_id = 0;
   for (std::size_t i = 0; i < roster_.size(); ++i) {
     known_id = std::max(known_id, roster_[i].planner.goal_id);
@@ -265,6 +283,7 @@ void Coordinator::begin(core::Utime now) {
   switch (step().verb) {
     case Verb::kTakeOff:
       phase_ = Phase::kTakeOff;
+      took_off_ = now;
       sendAllUp(now);
       break;
     case Verb::kFormation:
@@ -281,6 +300,7 @@ void Coordinator::begin(core::Utime now) {
       roster_.allOnFloor() ? sendAllDown(now) : stay(now);
       break;
     case Verb::kWait:
+    case Verb::kWaitUntil:
       phase_ = Phase::kHold;
       break;
     case Verb::kLand:
@@ -406,6 +426,10 @@ bool Coordinator::complete() const {
   if (current.verb == Verb::kHold || current.verb == Verb::kWait) {
     return core::toSeconds(step_time_) >= current.seconds;
   }
+  if (current.verb == Verb::kWaitUntil && current.event != Event::kFormed) {
+    return current.event == Event::kTime &&
+           core::toSeconds(last_tick_ - took_off_) >= current.seconds;
+  }
   if (current.verb == Verb::kLand) {
     return roster_.down();
   }
@@ -462,8 +486,9 @@ void Coordinator::checkStep(core::Utime now) {
     }
     return;
   }
-  const bool timed = current.verb != Verb::kHold && current.verb != Verb::kWait;
-  if (timed && core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
+  const bool waits = current.verb == Verb::kHold || current.verb == Verb::kWait ||
+                     (current.verb == Verb::kWaitUntil && current.event != Event::kFormed);
+  if (!waits && core::toSeconds(step_time_) > experiment_.fleet.step_timeout_s) {
     fail(now, fmt::format("{} was not complete after {:.0f} s: {}",
                           current.name.empty() ? "the step" : "\"" + current.name + "\"",
                           experiment_.fleet.step_timeout_s, roster_.whoIsNotAtGoal()));
@@ -514,10 +539,12 @@ FleetStatus Coordinator::status(core::Utime now) const {
     status.reason = waitingStatus().reason;
     return status;
   }
-  status.reason = failure_;
+  status.reason = waitsFor(Event::kGoOn) ? "waits for go_on" : failure_;
   if (failure_.empty() && (stepping() || phase_ == Phase::kDone)) {
     const std::string absent = roster_.whoIsOut();
-    status.reason = absent.empty() ? "" : "out: " + absent;
+    if (!absent.empty()) {
+      status.reason += (status.reason.empty() ? "out: " : "; out: ") + absent;
+    }
     for (std::size_t i = 0; stepping() && i < roster_.size(); ++i) {
       if (roster_.holds(i)) {
         status.reason += fmt::format("{}{} holds", status.reason.empty() ? "" : "; ",

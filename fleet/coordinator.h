@@ -65,7 +65,7 @@ class Coordinator {
   }
 
   /// A live mission step, looked at on the next tick. Hold and land then take effect at once and
-  /// drop what is queued; the rest waits for its turn.
+  /// drop what is queued; go_on ends a wait_until go_on; the rest waits for its turn.
   void onMission(std::int64_t mission_id, const config::MissionStep& asked);
   /// A mission message that could not be read.
   void refuse(std::int64_t mission_id, const std::string& reason);
@@ -91,6 +91,8 @@ class Coordinator {
   void takeOver(core::Utime now, std::int64_t known_id);
   void takeMissions(core::Utime now);
   void take(core::Utime now, const Asked& asked);
+  void goOn(core::Utime now, std::int64_t mission_id);
+  bool waitsFor(Event event) const;
   void finish();
   void drop(const std::string& why);
   void stepDone(core::Utime now);
@@ -141,6 +143,7 @@ class Coordinator {
   core::Utime tick_time_ = 0;    // data time since the last tick
   core::Utime step_time_ = 0;    // without the time in which a vehicle held
   core::Utime formed_time_ = 0;  // since the formation was complete
+  core::Utime took_off_ = 0;     // when the last take-off began, or this process
   std::string failure_;
 };
 

@@ -55,11 +55,16 @@ StepsOrRefusal MissionReader::read(const config::MissionStep& asked) const {
   if (asked.verb == "wait") {
     return single(Verb::kWait, stayS(asked));
   }
+  if (asked.verb == "wait_until") {
+    return waitUntil(asked);
+  }
   if (asked.verb == "land") {
     return single(Verb::kLand, 0.0);
   }
   return fmt::format(
-      "\"{}\" is no verb: take_off, spell, formation, go_to, hold, wait and land are", asked.verb);
+      "\"{}\" is no verb: take_off, spell, formation, go_to, hold, wait, wait_until, "
+      "go_on and land are",
+      asked.verb);
 }
 
 StepsOrRefusal MissionReader::spell(const config::MissionStep& asked) const {
@@ -124,6 +129,23 @@ StepsOrRefusal MissionReader::goTo(const config::MissionStep& asked) const {
     return *refusal;
   }
   step.points_m = asked.points_m;
+  return std::vector<Step>{step};
+}
+
+StepsOrRefusal MissionReader::waitUntil(const config::MissionStep& asked) {
+  Step step;
+  step.verb = Verb::kWaitUntil;
+  if (asked.text.empty() && asked.seconds >= 0.0) {
+    step.seconds = asked.seconds;
+  } else if (asked.text == "formed") {
+    step.event = Event::kFormed;
+  } else if (asked.text == "go_on") {
+    step.event = Event::kGoOn;
+  } else {
+    return fmt::format(
+        "\"{}\" is nothing to wait for: formed, go_on, or seconds since the take-off are",
+        asked.text);
+  }
   return std::vector<Step>{step};
 }
 

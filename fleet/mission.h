@@ -12,7 +12,10 @@
 
 namespace roundabout::fleet {
 
-enum class Verb { kTakeOff, kFormation, kGoTo, kHold, kWait, kLand };
+enum class Verb { kTakeOff, kFormation, kGoTo, kHold, kWait, kWaitUntil, kLand };
+
+/// What kWaitUntil waits for: everybody at its goal; somebody's word; a time.
+enum class Event { kFormed, kGoOn, kTime };
 
 /// It makes no sense with all vehicles on the floor.
 bool needsAir(Verb verb);
@@ -24,7 +27,8 @@ struct Step {
   std::vector<Eigen::Vector3d> points_m;  ///< kFormation: up to one a vehicle; kGoTo: one
   bool at_own_heights = false;            ///< kFormation: each vehicle flies at its own height
   std::size_t vehicle = 0;                ///< kGoTo: index
-  double seconds = 0.0;                   ///< kWait; kFormation and kHold: how long to stay
+  double seconds = 0.0;  ///< kWait; kFormation and kHold: how long to stay; kTime: since take-off
+  Event event = Event::kTime;  ///< kWaitUntil
 };
 
 using StepsOrRefusal = std::variant<std::vector<Step>, std::string>;
@@ -44,6 +48,7 @@ class MissionReader {
   StepsOrRefusal spell(const config::MissionStep& asked) const;
   StepsOrRefusal formation(const config::MissionStep& asked) const;
   StepsOrRefusal goTo(const config::MissionStep& asked) const;
+  static StepsOrRefusal waitUntil(const config::MissionStep& asked);
   double stayS(const config::MissionStep& asked) const;
 
   const config::Experiment& experiment_;

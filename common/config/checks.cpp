@@ -213,8 +213,9 @@ void checkShield(const Experiment& experiment, const Refuse& refuse) {
   for (const auto& [model, bounds] :
        {std::pair{"multirotor", &shield.multirotor}, std::pair{"unicycle", &shield.unicycle},
         std::pair{"ground_robot", &shield.ground_robot}}) {
-    const bool flown = std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(),
-                                   [&](const Vehicle& vehicle) { return vehicle.model == model; });
+    const bool flown =
+        std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(),
+                    [&of = model](const Vehicle& vehicle) { return vehicle.model == of; });
     const double needed_s = bounds->delay_s + 1.0 / experiment.planner.rate_hz;
     if (flown && experiment.planner.command_valid_s < needed_s) {
       refuse("planner.command_valid_s",
@@ -264,6 +265,9 @@ void checkMission(const Experiment& experiment, const Refuse& refuse) {
     }
     if (step.verb == "wait" && step.seconds < 0.0) {
       refuse(path, "a number of at least 0", "nothing");
+    }
+    if (step.verb == "wait_until" && step.text.empty() && step.seconds < 0.0) {
+      refuse(path, "formed, go_on, or seconds since the take-off", "nothing");
     }
   }
 }

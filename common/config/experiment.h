@@ -299,10 +299,10 @@ struct NamedPoints {
 /// One step of a mission. Exactly one of the verbs of lcmtypes/mission_t.lcm.
 struct MissionStep {
   std::string verb;
-  std::string text;                       ///< spell: what; formation: its name
+  std::string text;                       ///< spell: what; formation: its name; wait_until: event
   std::string vehicle;                    ///< go_to
   std::vector<Eigen::Vector3d> points_m;  ///< formation, go_to; world
-  double seconds = -1.0;    ///< wait; or how long to stay in a formation; negative: default
+  double seconds = -1.0;    ///< wait, wait_until, or stay in a formation; negative: default
   std::string points_file;  ///< formation: read into points_m, then empty
 };
 

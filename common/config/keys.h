@@ -294,14 +294,17 @@ void describe(Visitor& visit, NamedPoints& named) {
   visit("points_m", named.points_m, heightOptional());
 }
 
-inline const std::vector<std::string> kMissionVerbs = {"take_off", "spell", "formation", "go_to",
-                                                       "hold",     "wait",  "land"};
+inline const std::vector<std::string> kMissionVerbs = {"take_off", "spell", "formation",  "go_to",
+                                                       "hold",     "wait",  "wait_until", "land"};
+/// What wait_until waits for, where it is no time.
+inline const std::vector<std::string> kMissionEvents = {"formed", "go_on"};
 
 /// A go_to's point until it is read.
 inline const Eigen::Vector3d kNoPoint =
     Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 
-/// The keys below a step's verb; none for take_off, hold and land.
+/// The keys below a step's verb; none for take_off, hold and land, nor for wait_until, which is one
+/// word or number.
 template <class Visitor>
 void describeArguments(Visitor& visit, MissionStep& step) {
   if (step.verb == "spell") {

@@ -172,6 +172,8 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
     read(arguments, below, step.text, {});
   } else if (arguments.IsScalar() && step.verb == "wait") {
     read(arguments, below, step.seconds, durationOrAbsent());
+  } else if (step.verb == "wait_until") {
+    readEvent(arguments, below, step);
   } else {
     Reader reader(document_, arguments, below);
     describeArguments(reader, step);
@@ -179,6 +181,21 @@ void Reader::read(const YAML::Node& node, const std::string& path, MissionStep& 
       document_.fail(path, "no more than the verb " + step.verb, found(arguments));
     }
     reader.finish();
+  }
+}
+
+void Reader::readEvent(const YAML::Node& node, const std::string& path, MissionStep& step) {
+  const auto seconds = numberIn<double>(node);
+  const auto named = [&] {
+    return std::find(kMissionEvents.begin(), kMissionEvents.end(), node.Scalar()) !=
+           kMissionEvents.end();
+  };
+  if (seconds && *seconds >= 0.0 && std::isfinite(*seconds)) {
+    step.seconds = *seconds;
+  } else if (node.IsScalar() && named()) {
+    step.text = node.Scalar();
+  } else {
+    document_.fail(path, "formed, go_on, or seconds since the take-off", found(node));
   }
 }
 

@@ -60,6 +60,9 @@ class Reader {
   void read(const YAML::Node& node, const std::string& path, MissionStep& value,
             const Constraint& c);
 
+  /// What wait_until waits for: a word or a number.
+  void readEvent(const YAML::Node& node, const std::string& path, MissionStep& step);
+
   /// A step `repeat: {times, steps}` becomes its steps, so many times.
   void read(const YAML::Node& node, const std::string& path, std::vector<MissionStep>& steps,
             const Constraint& c);

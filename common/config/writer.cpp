@@ -26,7 +26,13 @@ void Writer::write(MissionStep& step) {
     out_ << step.verb;
     return;
   }
-  out_ << YAML::BeginMap << YAML::Key << step.verb << YAML::Value << YAML::BeginMap;
+  out_ << YAML::BeginMap << YAML::Key << step.verb << YAML::Value;
+  if (step.verb == "wait_until") {
+    step.text.empty() ? write(step.seconds) : write(step.text);
+    out_ << YAML::EndMap;
+    return;
+  }
+  out_ << YAML::BeginMap;
   describeArguments(*this, step);
   out_ << YAML::EndMap << YAML::EndMap;
 }

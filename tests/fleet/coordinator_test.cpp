@@ -452,6 +452,67 @@ TEST(Coordinator, FliesALiveMissionStepByStep) {
   EXPECT_DOUBLE_EQ(flight.vehicles[0].position_world_m.z(), 0.0);
 }
 
+TEST(Coordinator, WaitsUntilSomebodySaysGoOn) {
+  Flight flight(withMission({verb("take_off"), verb("wait_until", "go_on"), verb("land")}));
+  flight.coordinator.onMission(1, verb("go_on"));
+  flight.run(200.0);
+  EXPECT_EQ(flight.status.phase, Phase::kHold) << "no time-out: people take their time";
+  EXPECT_EQ(flight.status.reason, "waits for go_on");
+  EXPECT_EQ(flight.status.refusals, std::vector<std::string>{"mission 1: nothing waits for go_on"})
+      << "said before anybody waited for it";
+  flight.coordinator.onMission(2, verb("go_on"));
+  EXPECT_EQ(flight.tick().phase, Phase::kLand);
+  EXPECT_EQ(flight.status.newest_mission_id, 2);
+  EXPECT_EQ(flight.status.finished_mission_id, 0) << "go_on is nothing that is flown";
+}
+
+TEST(Coordinator, GoOnLeavesWhatIsQueuedInPlace) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  flight.coordinator.onMission(1, verb("take_off"));
+  flight.coordinator.onMission(2, verb("wait_until", "go_on"));
+  flight.coordinator.onMission(3, verb("spell", "T"));
+  flight.run(10.0);
+  EXPECT_EQ(flight.status.mission_id, 2);
+  flight.coordinator.onMission(4, verb("go_on"));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold, "T"));
+  EXPECT_EQ(flight.status.finished_mission_id, 2);
+  ASSERT_TRUE(flight.runUntil(Phase::kIdle));
+  EXPECT_EQ(flight.status.finished_mission_id, 3);
+}
+
+TEST(Coordinator, WaitsUntilATimeSinceTheTakeOff) {
+  config::MissionStep until = verb("wait_until");
+  until.seconds = 30.0;
+  Flight flight(withMission({verb("take_off"), verb("spell", "H"), until, verb("land")}));
+  ASSERT_TRUE(flight.runUntil(Phase::kTakeOff));
+  const core::Utime took_off = flight.now;
+  ASSERT_TRUE(flight.runUntil(Phase::kLand));
+  EXPECT_EQ(flight.now - took_off, 30'000'000);
+}
+
+TEST(Coordinator, WaitsUntilAllAreAtTheirGoalsAgain) {
+  Flight flight(withMission(
+      {verb("take_off"), verb("wait", ""), verb("wait_until", "formed"), verb("land")}));
+  ASSERT_TRUE(flight.runUntil(Phase::kHold));
+  flight.stuck[1] = true;
+  flight.vehicles[1].position_world_m.x() += 1.0;
+  EXPECT_EQ(flight.run(30.0).phase, Phase::kHold);
+  flight.stuck[1] = false;
+  EXPECT_TRUE(flight.runUntil(Phase::kLand));
+  EXPECT_TRUE(flight.runUntil(Phase::kDone));
+}
+
+TEST(Coordinator, NothingElseCanBeWaitedFor) {
+  Flight flight(withMission({}));
+  flight.run(1.0);
+  flight.coordinator.onMission(5, verb("wait_until", "sunrise"));
+  flight.tick();
+  EXPECT_EQ(flight.status.refusals.back(),
+            "mission 5: \"sunrise\" is nothing to wait for: formed, go_on, or seconds since the "
+            "take-off are");
+}
+
 TEST(Coordinator, ALiveLandDropsWhatIsQueuedAndTheFilesMission) {
   Flight flight(spelling("HI"));
   ASSERT_TRUE(flight.runUntil(Phase::kHold, "H"));

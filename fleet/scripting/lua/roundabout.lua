@@ -137,6 +137,13 @@ function Fleet:land(options) return self:_do("land", {}, options) end
 function Fleet:hold(options) return self:_do("hold", {}, options or {wait = false}) end
 --- Nothing changes for so many seconds of data time.
 function Fleet:wait(seconds, options) return self:_do("wait", {seconds = seconds}, options) end
+--- Nothing changes until what: "formed", "go_on" (somebody says it), or seconds since the take-off began.
+function Fleet:wait_until(what, options)
+  options = options or {timeout = 3600}
+  return self:_do("wait_until", type(what) == "string" and {text = what} or {seconds = what}, options)
+end
+--- Ends a wait_until("go_on"), whoever asked for it.
+function Fleet:go_on() return self:_do("go_on", {}, {wait = false}) end
 --- Letter by letter; options.seconds: how long each is held.
 function Fleet:spell(text, options) return self:_do("spell", {text = text}, options) end
 --- A vehicle goes to each point {x, y, z}; options: name, seconds (default 0).

@@ -381,10 +381,10 @@ TEST(ConfigError, PushOfAnUnknownVehicle) {
 TEST(ConfigError, UnknownVerb) {
   EXPECT_EQ(errorBelow("mission:\n  - takeoff\n"),
             "lab.yaml:3: mission[0]: expected one of take_off, spell, formation, go_to, hold, "
-            "wait, land, found \"takeoff\"");
+            "wait, wait_until, land, found \"takeoff\"");
   EXPECT_EQ(errorBelow("mission:\n  - dance: {text: A}\n"),
             "lab.yaml:3: mission[0]: expected one of take_off, spell, formation, go_to, hold, "
-            "wait, land, found \"dance\"");
+            "wait, wait_until, land, found \"dance\"");
 }
 
 TEST(ConfigError, TwoVerbsInOneStep) {
@@ -417,6 +417,19 @@ TEST(ConfigError, NegativeWait) {
 TEST(ConfigError, WaitWithoutSeconds) {
   EXPECT_EQ(errorBelow("mission: [wait]\n"),
             "lab.yaml:2: mission[0].wait: expected a number of at least 0, found nothing");
+}
+
+TEST(ConfigError, WaitUntilSomethingThatNeverIs) {
+  for (const auto& [asked, found] : {std::pair{"sunrise", "\"sunrise\""}, std::pair{"-1", "\"-1\""},
+                                     std::pair{"{seconds: 3}", "a map"}}) {
+    EXPECT_EQ(errorBelow(std::string("mission:\n  - wait_until: ") + asked + "\n"),
+              std::string("lab.yaml:3: mission[0].wait_until: expected formed, go_on, or seconds "
+                          "since the take-off, found ") +
+                  found);
+  }
+  EXPECT_EQ(errorBelow("mission: [wait_until]\n"),
+            "lab.yaml:2: mission[0].wait_until: expected formed, go_on, or seconds since the "
+            "take-off, found nothing");
 }
 
 TEST(ConfigError, GoToOfAnUnknownVehicle) {

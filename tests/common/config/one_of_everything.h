@@ -117,6 +117,8 @@ inline Experiment oneOfEverything() {
                {"go_to", "", "hex_1", {{1.0, 2.0, 1.5}}, -1.0, ""},
                {"hold", "", "", {}, -1.0, ""},
                {"wait", "", "", {}, 0.0, ""},
+               {"wait_until", "formed", "", {}, -1.0, ""},
+               {"wait_until", "", "", {}, 1.5, ""},
                {"land", "", "", {}, -1.0, ""}};
   return e;
 }

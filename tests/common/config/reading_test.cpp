@@ -45,8 +45,10 @@ TEST(Mission, ReadsEveryVerb) {
       "  - go_to: {vehicle: hex2, point: [1, 2, 3]}\n"
       "  - wait: 3\n"
       "  - hold\n"
-      "  - land\n");
-  ASSERT_EQ(read.mission.size(), 8u);
+      "  - land\n"
+      "  - wait_until: go_on\n"
+      "  - wait_until: 90\n");
+  ASSERT_EQ(read.mission.size(), 10u);
   EXPECT_EQ(read.mission[0].verb, "take_off");
   EXPECT_EQ(read.mission[1].verb, "spell");
   EXPECT_EQ(read.mission[1].text, "CADRL");
@@ -59,6 +61,9 @@ TEST(Mission, ReadsEveryVerb) {
   EXPECT_EQ(read.mission[4].points_m, std::vector<Eigen::Vector3d>{Eigen::Vector3d(1, 2, 3)});
   EXPECT_EQ(read.mission[5].seconds, 3.0);
   EXPECT_EQ(read.mission[7].verb, "land");
+  EXPECT_EQ(read.mission[8].text, "go_on");
+  EXPECT_EQ(read.mission[9].text, "");
+  EXPECT_EQ(read.mission[9].seconds, 90.0);
 }
 
 TEST(Mission, RepeatsSteps) {

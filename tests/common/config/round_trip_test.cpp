@@ -66,11 +66,13 @@ TEST(ToYaml, OneOfEverythingReadsBackTheSame) {
   EXPECT_EQ(read.sim.mocap.dropout.duration_s, 0.2);
   EXPECT_EQ(read.sim.pushes[0].acceleration_mps2, Eigen::Vector2d(1.0, -2.0));
   EXPECT_EQ(read.glyphs[0].name, "#");
-  ASSERT_EQ(read.mission.size(), 7u);
+  ASSERT_EQ(read.mission.size(), 9u);
   EXPECT_EQ(read.mission[1].text, "A B: \"C\"");
   EXPECT_EQ(read.mission[2].points_m[1], Eigen::Vector3d(-1.0, 2.0, 1.0));
   EXPECT_LT(read.mission[2].seconds, 0.0);
   EXPECT_EQ(read.mission[5].seconds, 0.0);
+  EXPECT_EQ(read.mission[6].text, "formed");
+  EXPECT_EQ(read.mission[7].seconds, 1.5);
 }
 
 TEST(ToYaml, OneOfEverythingDiffersFromTheDefaultsInEveryKey) {

@@ -110,6 +110,16 @@ class Fleet:
         """Nothing changes for so many seconds of data time."""
         return self._do("wait", seconds=seconds, wait=wait, timeout=10.0 * seconds + 60.0)
 
+    def wait_until(self, what, wait=True, timeout=3600.0):
+        """Nothing changes until what: "formed", "go_on" (somebody says it), or seconds since the take-off began."""
+        if isinstance(what, str):
+            return self._do("wait_until", text=what, wait=wait, timeout=timeout)
+        return self._do("wait_until", seconds=what, wait=wait, timeout=timeout)
+
+    def go_on(self):
+        """Ends a wait_until("go_on"), whoever asked for it."""
+        return self._do("go_on", wait=False)
+
     def spell(self, text, seconds=None, wait=True, timeout=None):
         """Letter by letter, each held for so many seconds (default: the experiment's)."""
         timeout = 120.0 * max(1, len(text)) if timeout is None else timeout
