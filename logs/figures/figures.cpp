@@ -52,6 +52,12 @@ Figures drawFlight(const Flight& flight, const Metrics& metrics, const std::stri
   drawSeparation(script, flight, metrics, figures.over_time.back());
   figures.over_time.push_back(figureIn(folder, "speed"));
   drawSpeed(script, flight, metrics, figures.over_time.back());
+  figures.over_time.push_back(figureIn(folder, "modes"));
+  drawModes(script, flight, metrics, figures.over_time.back());
+  figures.over_time.push_back(figureIn(folder, "rates"));
+  drawRates(script, flight, metrics, figures.over_time.back());
+  figures.over_time.push_back(figureIn(folder, "latency"));
+  drawLatency(script, flight, metrics, figures.over_time.back());
   if (metrics.timing.real_time) {
     figures.over_time.push_back(figureIn(folder, "frame_intervals"));
     drawFrameIntervals(script, flight, metrics, figures.over_time.back());

@@ -22,7 +22,8 @@ struct Figure {
 struct Figures {
   std::vector<Figure> formations;  ///< one each, in the paper's style
   Figure overview;
-  std::vector<Figure> over_time;  ///< separation, speed; frame intervals if flown in real time
+  /// Separation, speed, modes, rates, latency; frame intervals if flown in real time.
+  std::vector<Figure> over_time;
 
   /// How many pictures there are.
   std::size_t count() const;

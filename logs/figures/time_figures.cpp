@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/plot/palette.h"
+#include "logs/figures/time_axis.h"
 #include "logs/metrics/separation.h"
 
 namespace roundabout::logs {
@@ -12,7 +13,6 @@ namespace {
 
 using namespace plot;  // NOLINT(google-build-using-namespace): the drawing of this file
 
-constexpr CanvasSize kSize{1000, 330};
 // Points along the time axis: more than this cannot be seen.
 constexpr std::size_t kMostBins = 800;
 constexpr double kHighestGapM = 3.0;
@@ -37,32 +37,6 @@ double timeOf(const Flight& flight, const Bin& bin) {
   return flight.secondsAt(flight.frames[bin.begin].utime);
 }
 
-void begin(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
-           const Figure& figure) {
-  beginFigure(script, kSize, figure.title);
-  script.line("set title offset 0,0.6");
-  script.line("set rmargin 18");
-  script.line("set xlabel \"time (s)\"");
-  script.line("set xrange [0:{:.3f}]",
-              std::max(flight.secondsAt(flight.frames.back().utime), 1e-3));
-  script.line("set key at graph 1.02, 1 left top Left reverse samplen 1.5 spacing 1.2");
-  int object = 1;
-  for (const FormationMetrics& formation : metrics.formations) {
-    const double begin_s = formation.begin_at_s;
-    const double end_s = formation.formed && std::isfinite(formation.time_to_form_s)
-                             ? begin_s + formation.time_to_form_s
-                             : formation.end_at_s;
-    script.line(
-        "set object {} rectangle from first {:.3f}, graph 0 to first {:.3f}, graph 1 behind "
-        "fc rgb \"#f1f3f6\" fs solid noborder",
-        object, begin_s, end_s);
-    script.line(
-        "set label {} {} at first {:.3f}, graph 1.05 center noenhanced tc rgb \"#777777\" "
-        "font \",12\"",
-        object++, gnuplotString(formation.name), (begin_s + end_s) / 2.0);
-  }
-}
-
 /// m. How much nearer than touching assumed radii bodies may come: of the pair with most.
 double assumedMargin(const Flight& flight) {
   std::vector<double> margins_m;
@@ -79,7 +53,7 @@ void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& 
                     Figure& figure) {
   figure.title = "Gap between the two closest bodies";
   figure.caption = "horizontal, in the air; shaded: on the way to a formation";
-  begin(script, flight, metrics, figure);
+  beginTimeFigure(script, flight, metrics, figure);
   const GapsOverTime gaps = gapsOverTime(flight);
   std::vector<std::string> rows;
   for (const Bin& bin : binsOf(flight)) {
@@ -93,7 +67,7 @@ void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& 
   script.data("gap", rows);
   script.line("set ylabel \"gap (m)\"");
   script.line("set yrange [{:.3f}:{}]", lowest_m, kHighestGapM);
-  endFigure(script, kSize, figure.files(),
+  endFigure(script, kTimeFigureSize, figure.files(),
             fmt::format("plot $gap with lines lw 1.8 lc rgb \"#1f4e79\" title \"closest bodies\", "
                         "{:.3f} with lines lw 1.5 dt 2 lc rgb \"#e08a00\" title \"assumed radii\", "
                         "0 with lines lw 1.5 lc rgb \"#c62828\" title \"bodies touch\"",
@@ -104,7 +78,7 @@ void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metri
                Figure& figure) {
   figure.title = "Speed";
   figure.caption = "published velocity, all three axes";
-  begin(script, flight, metrics, figure);
+  beginTimeFigure(script, flight, metrics, figure);
   script.line("set ylabel \"speed (m/s)\"");
   script.line("set yrange [0:*]");
   std::vector<std::string> parts;
@@ -123,14 +97,15 @@ void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metri
                                 hex(vehicleColor(i, flight.vehicles.size())),
                                 gnuplotString(vehicle.name)));
   }
-  endFigure(script, kSize, figure.files(), fmt::format("plot {}", fmt::join(parts, ", \\\n     ")));
+  endFigure(script, kTimeFigureSize, figure.files(),
+            fmt::format("plot {}", fmt::join(parts, ", \\\n     ")));
 }
 
 void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
                         Figure& figure) {
   figure.title = "Frame intervals";
   figure.caption = "shortest and longest interval between logged frames";
-  begin(script, flight, metrics, figure);
+  beginTimeFigure(script, flight, metrics, figure);
   std::vector<std::string> rows;
   for (const Bin& bin : binsOf(flight)) {
     double shortest_ms = std::numeric_limits<double>::infinity();
@@ -151,7 +126,7 @@ void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metri
   script.line("set ylabel \"interval (ms)\"");
   script.line("set yrange [0:{:.3f}]",
               std::max(2.0 * nominal_ms, 1.1e3 * metrics.timing.longest_interval_s));
-  endFigure(script, kSize, figure.files(),
+  endFigure(script, kTimeFigureSize, figure.files(),
             fmt::format("plot $interval using 1:2:3 with filledcurves fc rgb \"#8fb3d9\" fs solid "
                         "noborder title \"min to max\", {:.4f} with lines lw 1.5 dt 2 lc rgb "
                         "\"#333333\" title \"nominal\"",

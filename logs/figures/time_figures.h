@@ -16,6 +16,16 @@ void drawSeparation(GnuplotScript& script, const Flight& flight, const Metrics& 
 /// Every vehicle's speed.
 void drawSpeed(GnuplotScript& script, const Flight& flight, const Metrics& metrics, Figure& figure);
 
+/// Every planner's mode: a bar each.
+void drawModes(GnuplotScript& script, const Flight& flight, const Metrics& metrics, Figure& figure);
+
+/// Frames, and every planner's commands, a second of data time: what is missing shows.
+void drawRates(GnuplotScript& script, const Flight& flight, const Metrics& metrics, Figure& figure);
+
+/// From a frame to the command that answers it, by the logger's clock.
+void drawLatency(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
+                 Figure& figure);
+
 /// The shortest and the longest interval between frames, by log time.
 void drawFrameIntervals(GnuplotScript& script, const Flight& flight, const Metrics& metrics,
                         Figure& figure);

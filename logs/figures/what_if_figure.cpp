@@ -81,7 +81,7 @@ void drawWhatIf(GnuplotScript& script, const Flight& flight, const FlightVehicle
       fmt::format("${}path with lines lw 1.2 lc rgb \"#9aa3af\" title \"flown\"", name));
   if (!flown.empty()) {
     parts.push_back(fmt::format(
-        "${}flown with vectors filled head lw 1.4 lc rgb \"#667385\" title \"was\"", name));
+        "${}flown with vectors filled head lw 4.5 lc rgb \"#c3cad4\" title \"was\"", name));
   }
   if (!other.empty()) {
     parts.push_back(fmt::format(

@@ -6,8 +6,8 @@
 
 #include "common/config/experiment_file.h"
 #include "common/core/error.h"
-#include "logs/figures/formation_figure.h"
 #include "common/plot/palette.h"
+#include "logs/figures/formation_figure.h"
 #include "logs/files.h"
 #include "logs/report/html.h"
 #include "logs/report/report.h"
@@ -55,7 +55,7 @@ TEST_F(FiguresTest, DrawsOnePictureForEveryFormationAndTheFlight) {
     expectPicture(figure);
   }
   expectPicture(figures.overview);
-  ASSERT_EQ(figures.over_time.size(), 2u) << "no frame intervals of a flight in lockstep";
+  ASSERT_EQ(figures.over_time.size(), 5u) << "no frame intervals of a flight in lockstep";
   for (const Figure& figure : figures.over_time) {
     expectPicture(figure);
   }
@@ -105,8 +105,8 @@ TEST_F(TroubledFiguresTest, AreDrawnAllTheSame) {
   ASSERT_EQ(figures.formations.size(), 1u);
   EXPECT_THAT(figures.formations[0].png_file, HasSubstr("formation_01_ax2fx22bx5c.png"));
   expectPicture(figures.formations[0]);
-  ASSERT_EQ(figures.over_time.size(), 3u);
-  expectPicture(figures.over_time[2]);
+  ASSERT_EQ(figures.over_time.size(), 6u);
+  expectPicture(figures.over_time[5]);
 }
 
 TEST_F(TroubledFiguresTest, AreExplainedInTheReport) {
