@@ -1,5 +1,6 @@
 #include "cli/replay/keys.h"
 
+#include <algorithm>
 #include <string_view>
 
 #include <poll.h>
@@ -9,16 +10,19 @@ namespace roundabout::cli {
 
 namespace {
 
-std::optional<Key> keyOf(std::string_view bytes) {
+/// The key that the bytes begin with, and takes it off them; of anything else one byte.
+std::optional<Key> takeKey(std::string& bytes) {
   constexpr std::pair<std::string_view, Key> kKeys[] = {
       {" ", Key::kSpace},     {"\033[D", Key::kLeft}, {"\033[C", Key::kRight}, {"\033[A", Key::kUp},
       {"\033[B", Key::kDown}, {"s", Key::kStep},      {".", Key::kStep},       {"l", Key::kLoop},
       {"0", Key::kBegin},     {"q", Key::kQuit}};
   for (const auto& [text, key] : kKeys) {
     if (bytes.starts_with(text)) {
+      bytes.erase(0, text.size());
       return key;
     }
   }
+  bytes.erase(0, 1);
   return std::nullopt;
 }
 
@@ -44,12 +48,17 @@ Keys::~Keys() {
 
 std::optional<Key> Keys::next() {
   pollfd poll_in{STDIN_FILENO, POLLIN, 0};
-  if (!terminal_ || poll(&poll_in, 1, 0) <= 0) {
-    return std::nullopt;
+  if (terminal_ && poll(&poll_in, 1, 0) > 0) {
+    char bytes[64];
+    const ssize_t size = read(STDIN_FILENO, bytes, sizeof(bytes));
+    typed_.append(bytes, static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   }
-  char bytes[8] = {};
-  const ssize_t size = read(STDIN_FILENO, bytes, sizeof(bytes));
-  return size <= 0 ? std::nullopt : keyOf({bytes, static_cast<std::size_t>(size)});
+  std::optional<Key> key;
+  // An arrow's bytes may come one by one.
+  while (!key && !typed_.empty() && typed_ != "\033" && typed_ != "\033[") {
+    key = takeKey(typed_);
+  }
+  return key;
 }
 
 }  // namespace roundabout::cli

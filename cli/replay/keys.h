@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <termios.h>
 
@@ -24,6 +25,7 @@ class Keys {
  private:
   bool terminal_;
   termios before_{};
+  std::string typed_;  // and not yet taken
 };
 
 inline constexpr const char* kKeysHelp =

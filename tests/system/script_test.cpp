@@ -128,6 +128,7 @@ fleet.wait(1000)
   EXPECT_THAT(ended.lines,
               Contains(testing::AnyOf(HasSubstr("FleetLost: the fleet has said nothing"),
                                       HasSubstr("FleetForgot"))));
+  EXPECT_GT(heightOf("hex1"), 0.8) << "it stays at its goal";
   flight.signal(SIGINT);
   finish(flight);
 }
@@ -172,9 +173,14 @@ TEST_F(Script, MissionFilesAreSentStepByStep) {
       steps:
         - formation: {name: near, points: [[0, 2, 1], [2, 2, 1], [4, 2, 1]], seconds: 0.2}
         - go_to: {vehicle: hex1, point: [0, 0, 1]}
+  - wait_until: go_on
   - land
 )");
-  const Ended sent = run("roundabout", {"mission", "send", file, "--follow", "--lcm-url", url()});
+  cli::ChildProcess& sender =
+      start("roundabout", {"mission", "send", file, "--follow", "--lcm-url", url()});
+  waitUntil("the word", [&] { return heard().fleet.reason == "waits for go_on"; });
+  EXPECT_TRUE(run("roundabout", {"mission", "go_on", "--lcm-url", url()}).status.clean());
+  const Ended sent = finish(sender);
   EXPECT_TRUE(sent.status.clean());
   EXPECT_THAT(sent.lines, Contains(HasSubstr("go near")));
   EXPECT_LT(heightOf("hex1"), 0.2);
