@@ -2,11 +2,15 @@
 
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "cli/doctor/examination.h"
+#include "cli/doctor/mocap_examination.h"
 #include "common/bus/lcm_bus.h"
+#include "common/config/experiment_file.h"
 
 namespace roundabout::cli {
 
@@ -24,11 +28,17 @@ const char* wordOf(Health health) {
   return "";
 }
 
-int doctor(const std::string& lcm_url) {
+int doctor(const std::string& experiment_file, const std::string& lcm_url) {
   const std::string url = bus::resolveUrl(lcm_url);
   fmt::print("{}\n", url);
+  std::vector<Finding> findings = examine(url);
+  if (!experiment_file.empty()) {
+    for (Finding& finding : examineMocap(config::readExperiment(experiment_file, {}))) {
+      findings.push_back(std::move(finding));
+    }
+  }
   int wrong = 0;
-  for (const Finding& finding : examine(url)) {
+  for (const Finding& finding : findings) {
     fmt::print("{:<6} {:<19} {}\n", wordOf(finding.health), finding.what, finding.found);
     if (!finding.mend.empty()) {
       fmt::print("       {:<19} {}\n", "", finding.mend);
@@ -43,9 +53,11 @@ int doctor(const std::string& lcm_url) {
 void addDoctorCommand(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("doctor", "What is wrong with this machine, and what mends it");
+  auto file = std::make_shared<std::string>();
+  command->add_option("file", *file, "Experiment file: looks for its motion-capture system, too");
   auto lcm_url = std::make_shared<std::string>();
   command->add_option("--lcm-url", *lcm_url, "Default: LCM_DEFAULT_URL");
-  command->callback([lcm_url, &exit_status] { exit_status = doctor(*lcm_url); });
+  command->callback([file, lcm_url, &exit_status] { exit_status = doctor(*file, *lcm_url); });
 }
 
 }  // namespace roundabout::cli
