@@ -1,5 +1,6 @@
 #include "mocap_bridge/tools/body_table.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>
@@ -25,7 +26,7 @@ std::string vehicleOf(const std::string& body, const StateEstimator& estimator) 
 
 void BodyTable::add(const SourceFrame& frame) {
   ++frames_;
-  latency_s_ = core::toSeconds(frame.received_utime - frame.exposure_utime);
+  latencies_ms_.push_back(1000.0 * core::toSeconds(frame.received_utime - frame.exposure_utime));
   for (const BodyPose& body : frame.bodies) {
     Row& row = rows_[nameOf(body)];
     ++row.frames;
@@ -41,8 +42,14 @@ void BodyTable::add(const SourceFrame& frame) {
 
 std::string BodyTable::text(core::Utime now, const StateEstimator& estimator) {
   const double passed_s = core::toSeconds(now - last_text_);
-  std::string text = fmt::format("{:.1f} frames a second, {:.2f} ms from exposure to arrival\n",
-                                 static_cast<double>(frames_) / passed_s, 1000.0 * latency_s_);
+  std::string text = fmt::format("{:.1f} frames a second", static_cast<double>(frames_) / passed_s);
+  if (!latencies_ms_.empty()) {
+    std::sort(latencies_ms_.begin(), latencies_ms_.end());
+    text += fmt::format("; exposure to arrival: median {:.2f} ms, longest {:.2f} ms",
+                        latencies_ms_[latencies_ms_.size() / 2], latencies_ms_.back());
+    latencies_ms_.clear();
+  }
+  text += '\n';
   text += fmt::format("{:<20} {:>8} {:>9} {:>11} {:>6}  {:<26} {}\n", "body", "rate Hz", "age ms",
                       "residual mm", "gaps", "position", "vehicle");
   for (auto& [name, row] : rows_) {

@@ -29,7 +29,7 @@ class BodyTable {
 
   std::map<std::string, Row> rows_;
   core::Utime last_text_ = 0;
-  double latency_s_ = 0.0;
+  std::vector<double> latencies_ms_;  // exposure to arrival, since the last text
   std::int64_t frames_ = 0;
 };
 

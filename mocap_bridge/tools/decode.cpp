@@ -38,6 +38,19 @@ Json bodyJson(const BodyPose& body) {
   return json;
 }
 
+// "7 hexA": streaming id and name.
+Json definitionJson(const std::string& text) {
+  const std::size_t blank = text.find(' ');
+  return {{"id", Json::parse(text.substr(0, blank))}, {"name", text.substr(blank + 1)}};
+}
+
+// Texts and versions stay text, whatever they look like.
+bool isNumber(std::string_view key, const std::string& value) {
+  return key != "text" && !key.ends_with("version") && key != "bitstream" && !value.empty() &&
+         value.find_first_not_of("0123456789") == std::string::npos &&
+         (value[0] != '0' || value.size() == 1);
+}
+
 class JsonLines final : public PacketSink {
  public:
   void startPacket(const std::string& file, const StoredPacket& packet) {
@@ -64,10 +77,12 @@ class JsonLines final : public PacketSink {
   void onPacket(const PacketFacts& facts) override {
     Json json = line(facts.kind);
     for (const auto& [key, value] : facts.facts) {
-      if (key == std::string_view("body")) {
-        json["bodies"].push_back(value);
+      if (key == std::string_view("definition")) {
+        json["bodies"].push_back(definitionJson(value));
+      } else if (key == std::string_view("body")) {
+        json["bodies"].push_back({{"name", value}});
       } else {
-        json[key] = value;
+        json[key] = isNumber(key, value) ? Json::parse(value) : Json(value);
       }
     }
     if (facts.error != nullptr) {

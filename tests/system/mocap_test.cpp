@@ -1,6 +1,7 @@
 // The bridge as a process: emulated systems in front of it, LCM behind it.
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "tests/support/npm.h"
 #include "tests/support/reference.h"
 #include "tests/system/mocap_lab.h"
 
@@ -107,15 +109,30 @@ TEST_F(MocapLab, WrongSettingsEndTheStart) {
               HasSubstr("nowhere.bin"));
 }
 
+TEST_F(MocapLab, TheDoctorLooksAtTheMotionCaptureSystem) {
+  const auto examine = [&](const std::string& file) {
+    const Ended ended = run("roundabout", {"doctor", file, "--lcm-url", url()});
+    EXPECT_NE(ended.status.code, 2);
+    return testing::PrintToString(ended.lines);
+  };
+  EXPECT_THAT(examine(twoSwap("source: natnet\nmocap: {interface: eth99}\n")),
+              HasSubstr("an interface of this machine (lo 127.0.0.1"));
+  const std::string lab = twoSwap(labFile("natnet"));
+  EXPECT_THAT(examine(lab), HasSubstr("no answer from Motive"));
+  startEmulator("natnet", {"--bodies", "1"});
+  const std::string found = examine(lab);
+  EXPECT_THAT(found, HasSubstr("frames a second"));
+  EXPECT_THAT(found, HasSubstr("not streamed: hex2; streamed: hex1"));
+}
+
 TEST_F(MocapLab, DecodePrintsEveryRecordedFrame) {
   const auto capture = referenceFolder() / "mocap/natnet_v3_mje-nz/extracted/datagrams.bin";
   if (!std::filesystem::exists(capture)) {
     GTEST_SKIP() << "the captured packets are not beside the project";
   }
   const std::filesystem::path printed = scratch_ / "printed.jsonl";
-  const std::string command =
-      fmt::format("{}/roundabout mocap decode --protocol natnet {} > {}", ROUNDABOUT_BIN_DIR,
-                  capture.string(), printed.string());
+  const std::string command = fmt::format("{}/roundabout mocap decode --protocol natnet {} > {}",
+                                          ROUNDABOUT_BIN_DIR, capture.string(), printed.string());
   EXPECT_EQ(std::system(command.c_str()), 0);
   int frames = 0;
   nlohmann::json last;
@@ -144,6 +161,47 @@ TEST_F(MocapLab, WhatIsRecordedIsReplayed) {
   EXPECT_EQ(replayed.status.code, 0);
   EXPECT_GT(heard().frames, 200);
   EXPECT_TRUE(heard().states.vehicles.at(1).tracked);
+}
+
+TEST_F(MocapLab, TheVendorsOwnClientReadsOurQtm) {
+  const NpmPackage qualisys_rt = npmPackage("qualisys-rt", "0.3.1");
+  if (qualisys_rt.modules.empty()) {
+    GTEST_SKIP() << qualisys_rt.problem;
+  }
+  startEmulator("qualisys", {"--bodies", "2"});
+  const std::string client = write("client.js", R"(
+const qtm = require(process.argv[2] + '/qualisys-rt');
+const api = new qtm.Api();
+let names = [];
+api.on('frame', (data) => {
+  console.log(JSON.stringify({names, bodies: data.components['6d'].rigidBodies}));
+  process.exit(0);
+});
+api.connect(Number(process.argv[3]), '127.0.0.1')
+  .then(() => api.getParameters('6D'))
+  .then((parameters) => {
+    names = parameters.the6d.body.map((body) => body.name);
+    return api.streamFrames({components: ['6D'], frequency: 'AllFrames'});
+  })
+  .catch((error) => { console.log('failed: ' + error); process.exit(1); });
+)");
+  const Ended ended =
+      run("node", {client, qualisys_rt.modules.string(), std::to_string(command_port_)});
+  ASSERT_TRUE(ended.status.clean()) << testing::PrintToString(ended.lines);
+  const auto read = nlohmann::json::parse(ended.lines.back());
+  EXPECT_EQ(read["names"], (std::vector<std::string>{"hex1", "hex2"}));
+  ASSERT_EQ(read["bodies"].size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    // On circles of 1 and 2 m, at a height of 1 m, the nose along the way; millimetres.
+    const auto& body = read["bodies"][i];
+    const double x = body["x"];
+    const double y = body["y"];
+    EXPECT_NEAR(std::hypot(x, y), 1000.0 * static_cast<double>(i + 1), 0.1);
+    EXPECT_NEAR(body["z"].get<double>(), 1000.0, 0.1);
+    const double heading = std::atan2(y, x) + 1.5707963;
+    EXPECT_NEAR(body["rotation"][0].get<double>(), std::cos(heading), 1e-4);
+    EXPECT_NEAR(body["rotation"][1].get<double>(), std::sin(heading), 1e-4) << "by columns";
+  }
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ const char* NatnetInterpreter::onModels(Bytes payload, PacketFacts& facts) {
   }
   names_.clear();
   for (ModelDef::Body& body : definitions.bodies) {
-    facts.facts.emplace_back("body", fmt::format("{} {}", body.id, body.name));
+    facts.facts.emplace_back("definition", fmt::format("{} {}", body.id, body.name));
     names_[body.id] = std::move(body.name);
   }
   needs_models_ = false;

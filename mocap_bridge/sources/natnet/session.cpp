@@ -126,16 +126,23 @@ void NatnetSession::onDatagram(const UdpSocket::Received& datagram, std::uint16_
     onServerInfo(now);
   } else if (interpreter_.lastMessage() == MessageId::kEchoResponse &&
              parseEchoResponse(message->payload, echo) == nullptr) {
-    last_answer_ = now;
+    noteAnswer(now);
     interpreter_.addEcho(echo, now);
   } else if (interpreter_.lastMessage() == MessageId::kDisconnectByTimeout) {
     connect_.reset();
   }
 }
 
+void NatnetSession::noteAnswer(core::Utime now) {
+  if (now - last_answer_ >= kSilence) {
+    answering_since_ = now;
+  }
+  last_answer_ = now;
+}
+
 void NatnetSession::onServerInfo(core::Utime now) {
   const bool first = last_answer_ == 0;
-  last_answer_ = now;
+  noteAnswer(now);
   if (first) {
     notes_.say("connected to " + status().server);
     send(writeText(MessageId::kRequest, "FrameRate"));
@@ -255,11 +262,12 @@ void NatnetSession::noteSilence(core::Utime now) {
   if (now - last >= kSilence) {
     notes_.once("silent",
                 fmt::format("Motive at {} has fallen silent; still trying", text(server_)));
-  } else if (now - last_frame_ < kSilence) {
-    notes_.over("silent", "Motive is back");
+    return;
+  }
+  notes_.over("silent", "Motive is back");
+  if (now - last_frame_ < kSilence) {
     notes_.over("no_frames", "frames are back");
-  } else if (now - std::max(last_frame_, began_) >= kSilence) {
-    notes_.over("silent", "Motive is back");
+  } else if (now - answering_since_ >= kSilence) {
     notes_.once(
         "no_frames",
         fmt::format("Motive answers, but no frame arrives by {}. Set mocap.interface to the "

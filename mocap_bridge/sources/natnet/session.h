@@ -29,6 +29,7 @@ class NatnetSession final : public Source {
   void onDatagram(const UdpSocket::Received& datagram, std::uint16_t to_port, core::Utime now,
                   PacketSink& sink);
   void onServerInfo(core::Utime now);
+  void noteAnswer(core::Utime now);
   void openDataSocket();
   void sendWhatIsDue(core::Utime now);
   void connect();
@@ -50,6 +51,7 @@ class NatnetSession final : public Source {
   std::int64_t wrong_sender_ = 0;
   core::Utime began_ = 0;
   core::Utime last_answer_ = 0;
+  core::Utime answering_since_ = 0;  // without 2 s of silence
   core::Utime last_frame_ = 0;
   SessionTimer connect_{500'000};
   SessionTimer echo_{250'000};

@@ -104,9 +104,12 @@ void VrpnInterpreter::onMessage(const Message& message, core::Utime received, Pa
   }
 }
 
-std::string VrpnInterpreter::bodyName(const Message& message) const {
+// A tracker's first sensor has the tracker's name, a further one that name and its number.
+std::string VrpnInterpreter::bodyName(const Message& message, std::int32_t sensor) const {
   const auto sender = senders_.find(message.sender);
-  return sender == senders_.end() ? "sender " + std::to_string(message.sender) : sender->second;
+  const std::string name =
+      sender == senders_.end() ? "sender " + std::to_string(message.sender) : sender->second;
+  return sensor == 0 ? name : name + ":" + std::to_string(sensor);
 }
 
 void VrpnInterpreter::onPose(const Message& message, core::Utime received, PacketSink& sink) {
@@ -128,7 +131,7 @@ void VrpnInterpreter::onPose(const Message& message, core::Utime received, Packe
     frame.stamps = {{"stamp_s", secondsOf(stamp_us)}};
   }
   BodyPose body;
-  body.name = bodyName(message);
+  body.name = bodyName(message, pose.sensor);
   body.position_m = Eigen::Vector3d(pose.position_m.data());
   body.orientation = Eigen::Quaterniond(pose.orientation_xyzw.data());
   body.tracked = true;

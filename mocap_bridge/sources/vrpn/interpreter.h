@@ -32,7 +32,7 @@ class VrpnInterpreter final : public Interpreter {
   void onMessage(const Message& message, core::Utime received, PacketSink& sink);
   void onPose(const Message& message, core::Utime received, PacketSink& sink);
   void emit(const SourceFrame& frame, PacketSink& sink);
-  std::string bodyName(const Message& message) const;
+  std::string bodyName(const Message& message, std::int32_t sensor) const;
   void fail(const char* kind, const char* reason, PacketSink& sink);
 
   ExposureClock clock_;

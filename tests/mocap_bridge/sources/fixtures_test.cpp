@@ -175,5 +175,28 @@ TEST(ViconRotation, OrdersDifferAndAngleZeroIsNone) {
   EXPECT_NEAR(turned.y(), -std::sin(0.3) * std::cos(0.5), 1e-12);
 }
 
+TEST(Vrpn, EverySensorOfATrackerIsABody) {
+  vrpn::VrpnInterpreter interpreter({});
+  test::Collected heard;
+  std::vector<std::byte> stream = vrpn::writeCookie();
+  const auto add = [&](const std::vector<std::byte>& message) {
+    stream.insert(stream.end(), message.begin(), message.end());
+  };
+  add(vrpn::writeDescription(vrpn::kTypeDescription, 4, vrpn::kPoseType));
+  add(vrpn::writeDescription(vrpn::kSenderDescription, 0, "lab"));
+  for (std::int32_t k = 0; k < 3; ++k) {
+    for (std::int32_t sensor = 0; sensor < 3; ++sensor) {
+      add(vrpn::writePose({100, 5000 * k, 0, 4, {}}, {sensor, {1.0 * sensor, 0.0, 1.0}, {}}));
+    }
+  }
+  interpreter.onPacket({100'010'000, 0, 0, stream}, heard);
+  EXPECT_EQ(interpreter.counters().old_frames, 0);
+  ASSERT_EQ(heard.frames.size(), 3U);
+  ASSERT_EQ(heard.frames[2].bodies.size(), 3U);
+  EXPECT_EQ(heard.frames[2].bodies[0].name, "lab");
+  EXPECT_EQ(heard.frames[2].bodies[2].name, "lab:2");
+  EXPECT_EQ(heard.frames[2].bodies[2].position_m.x(), 2.0);
+}
+
 }  // namespace
 }  // namespace roundabout::mocap_bridge
