@@ -1,6 +1,7 @@
 #include "perception/agent_finder.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace roundabout::perception {
 
@@ -18,14 +19,7 @@ int AgentFinder::update(const core::LaserScan& scan, const PlanarPose& begin, co
                         const StaticWorld* world) {
   const int unusable = toPoints(scan, begin, end, {.max_m = settings_.max_range_m}, points_);
   findSegments(points_, {.range_noise_m = settings_.range_noise_m}, segments_);
-  static_beams_.clear();
-  std::erase_if(segments_, [&](const Segment& segment) {
-    if (!isStatic(segment, world)) {
-      return false;
-    }
-    static_beams_.insert(static_beams_.end(), segment.beams.begin(), segment.beams.end());
-    return true;
-  });
+  sortSegments(world);
   const std::vector<Eigen::Vector2d> expected_m = tracker_.expectedAt(scan.utime);
   detections_.clear();
   for (const Cluster& cluster : clusterer_->cluster(points_, segments_, expected_m)) {
@@ -40,10 +34,29 @@ void AgentFinder::forget() {
   clusterer_->forget();
 }
 
-bool AgentFinder::isStatic(const Segment& segment, const StaticWorld* world) const {
-  if (segment.width_m > settings_.widest_body_m) {
-    return true;
+/// Leaves those that may be agents.
+void AgentFinder::sortSegments(const StaticWorld* world) {
+  static_beams_.clear();
+  std::vector<Segment> kept;
+  for (Segment& segment : segments_) {
+    const bool known = isKnown(segment, world);
+    std::vector<Segment> legs;
+    if (!known && segment.width_m > settings_.widest_body_m) {
+      legs = legsOf(points_, segment, kWidestLeg_m);
+    }
+    if (known || (segment.width_m > settings_.widest_body_m && legs.empty())) {
+      static_beams_.insert(static_beams_.end(), segment.beams.begin(), segment.beams.end());
+    } else if (legs.empty()) {
+      kept.push_back(std::move(segment));
+    } else {
+      std::move(legs.begin(), legs.end(), std::back_inserter(kept));
+    }
   }
+  segments_ = std::move(kept);
+}
+
+/// Whether it is a piece of what is known to stand there.
+bool AgentFinder::isKnown(const Segment& segment, const StaticWorld* world) const {
   if (world == nullptr) {
     return false;
   }

@@ -39,7 +39,8 @@ class AgentFinder {
   std::vector<std::size_t> staticBeams() const { return static_beams_; }
 
  private:
-  bool isStatic(const Segment& segment, const StaticWorld* world) const;
+  void sortSegments(const StaticWorld* world);
+  bool isKnown(const Segment& segment, const StaticWorld* world) const;
 
   config::Perception settings_;
   std::unique_ptr<Clusterer> clusterer_;

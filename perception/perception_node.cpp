@@ -74,13 +74,14 @@ void PerceptionNode::subscribeCamera(std::size_t camera) {
 }
 
 void PerceptionNode::publish(Clock::time_point begin) {
+  // First: who has the tracks of a sweep has the map that was known then.
+  if (const auto map = core_.takeMap()) {
+    bus::publish(bus_, bus::occupancyChannel(core_.vehicle().name), bus::toMessage(*map));
+  }
   while (auto tracks = core_.takeTracks()) {
     tracks->compute_time_s = std::chrono::duration<double>(Clock::now() - begin).count();
     bus::publish(bus_, bus::agentTracksChannel(core_.vehicle().name), bus::toMessage(*tracks));
     logHealth(*tracks);
-  }
-  if (const auto map = core_.takeMap()) {
-    bus::publish(bus_, bus::occupancyChannel(core_.vehicle().name), bus::toMessage(*map));
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/core/command.h"
 #include "common/core/laser_scan.h"
+#include "planner/map/way_finder.h"
 #include "planner/policy.h"
 #include "planner/safety/room_guard.h"
 #include "planner/scan_buffer.h"
@@ -27,6 +29,10 @@ class Pilot {
   /// False if the policy needs a scan and there is none from the last 0.3 s.
   bool seesEnough(core::Utime now) { return !needsScans() || !freshScan(now).ranges_m.empty(); }
 
+  /// From now on the policy is sent round what the map holds, and velocities that would hit it are
+  /// not flown.
+  void onMap(OccupancyGrid map) { way_finder_.emplace(way_settings_, std::move(map)); }
+
   /// A velocity, or position control near the goal (status.mode then becomes AT_GOAL).
   void fly(core::Utime now, const Situation& situation, const core::Goal& goal,
            const RoomGuard& room, core::Command& command, Status& status);
@@ -43,6 +49,9 @@ class Pilot {
 
  private:
   core::RangeScan freshScan(core::Utime now);
+  /// What the policy is told: with the next place on the way as its goal.
+  core::EgoAgent headedFor(core::EgoAgent ego) const;
+  void keepOffMap(const core::EgoAgent& ego, core::Command& command) const;
 
   const config::Planner settings_;
   const double max_range_m_;  // of the lidar; 0: there is none
@@ -50,6 +59,8 @@ class Pilot {
   std::vector<core::Polygon> obstacles_;
   std::vector<core::OtherAgent> others_;
   ScanBuffer scans_;
+  WayFinder::Settings way_settings_;
+  std::optional<WayFinder> way_finder_;  // nothing: there is no map
 };
 
 }  // namespace roundabout::planner

@@ -108,6 +108,18 @@ const char* PlannerCore::onOthersCommand(const core::Command& command) {
   return refusal;
 }
 
+const char* PlannerCore::onMap(const core::OccupancyMap& map) {
+  const config::Room& room = experiment_.room;
+  auto grid = OccupancyGrid::fromTree(
+      map.tree, Eigen::AlignedBox2d(room.min_m.head<2>(), room.max_m.head<2>()));
+  if (!grid) {
+    ++rejected_messages_;
+    return "its tree is cut off, or none";
+  }
+  pilot_.onMap(std::move(*grid));
+  return nullptr;
+}
+
 void PlannerCore::applyGoals(core::Utime now) {
   const GoalQueue::Change change = goals_.apply(now, first_frame_, situation());
   rejected_messages_ += change.refused;

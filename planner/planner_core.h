@@ -8,6 +8,7 @@
 #include "common/core/command.h"
 #include "common/core/frame_gate.h"
 #include "common/core/laser_scan.h"
+#include "common/core/sensor_data.h"
 #include "common/core/tick_timer.h"
 #include "common/core/vehicle_state.h"
 #include "planner/flight_shield.h"
@@ -61,6 +62,10 @@ class PlannerCore {
 
   /// A message that could not be decoded or was not acceptable.
   void onRejected() { ++rejected_messages_; }
+
+  /// What perception knows of the world that does not move; takes effect at the next tick. Returns
+  /// why it was refused; nullptr: it was not.
+  const char* onMap(const core::OccupancyMap& map);
 
   /// Live only: no frame has come for `silence_s` of wall clock, at least safety.states_hold_s.
   Tick onSilence(double silence_s);

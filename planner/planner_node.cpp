@@ -100,9 +100,28 @@ void PlannerNode::subscribe() {
       },
       on_error);
   subscribeOthersCommands();
+  subscribeMap();
   if (core_.needsScans()) {
     subscribeScans();
   }
+}
+
+void PlannerNode::subscribeMap() {
+  const std::string channel = bus::occupancyChannel(core_.vehicle().name);
+  bus::subscribe<roundabout_msgs::occupancy_t>(
+      bus_, channel,
+      [this, channel,
+       map = core::OccupancyMap()](const roundabout_msgs::occupancy_t& message) mutable {
+        const char* const reason = message.vehicle == core_.vehicle().name
+                                       ? bus::fromMessage(message, map)
+                                       : "names another vehicle than its channel";
+        if (reason != nullptr) {
+          reject(channel, reason);
+        } else if (const char* refusal = core_.onMap(map)) {
+          logRejection(channel, refusal);
+        }
+      },
+      [this](const bus::DecodeError& error) { reject(error.channel, error.reason); });
 }
 
 void PlannerNode::subscribeOthersCommands() {

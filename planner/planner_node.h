@@ -40,6 +40,7 @@ class PlannerNode {
  private:
   void subscribe();
   void subscribeOthersCommands();
+  void subscribeMap();
   void subscribeScans();
   void onStates(const roundabout_msgs::vehicle_states_t& message);
   void publish(const PlannerCore::Tick& tick, double compute_time_s);

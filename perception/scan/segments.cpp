@@ -10,6 +10,11 @@ namespace {
 // Farther than this behind the neighbouring beam's echo: it is hidden, not ended.
 constexpr double kHides_m = 0.2;
 
+// Between legs that are one segment: this wide, and so many times the distance of neighbouring
+// points.
+constexpr double kLeastGap_m = 0.08;
+constexpr double kGapFactor = 2.5;
+
 double breakDistance(double range_m, std::size_t steps, const ScanPoints& points,
                      const BreakpointSettings& settings) {
   const double angle_rad = static_cast<double>(steps) * std::abs(points.angle_step_rad);
@@ -83,6 +88,32 @@ void findSegments(const ScanPoints& points, const BreakpointSettings& settings,
     segment.hidden_begin = at_start || hides(points, begin, (begin + beams - 1) % beams);
     segment.hidden_end = at_end || hides(points, end, (end + 1) % beams);
   }
+}
+
+std::vector<Segment> legsOf(const ScanPoints& points, const Segment& segment, double widest_leg_m) {
+  std::vector<double> spacings_m;
+  for (std::size_t i = 1; i < segment.beams.size(); ++i) {
+    spacings_m.push_back(
+        (points.world_m[segment.beams[i]] - points.world_m[segment.beams[i - 1]]).norm());
+  }
+  std::vector<double> sorted_m = spacings_m;
+  const auto middle = sorted_m.begin() + static_cast<std::ptrdiff_t>(sorted_m.size() / 2);
+  std::nth_element(sorted_m.begin(), middle, sorted_m.end());
+  const double gap_m = std::max(kLeastGap_m, kGapFactor * *middle);
+  std::vector<Segment> legs{{{segment.beams.front()}}};
+  for (std::size_t i = 1; i < segment.beams.size(); ++i) {
+    if (spacings_m[i - 1] > gap_m) {
+      legs.emplace_back();
+    }
+    legs.back().beams.push_back(segment.beams[i]);
+  }
+  for (Segment& leg : legs) {
+    leg.width_m = widthOf(points, leg.beams);
+    if (leg.width_m > widest_leg_m || leg.beams.size() < 2) {
+      return {};
+    }
+  }
+  return legs;
 }
 
 }  // namespace roundabout::perception

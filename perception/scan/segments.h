@@ -29,4 +29,8 @@ struct BreakpointSettings {
 void findSegments(const ScanPoints& points, const BreakpointSettings& settings,
                   std::vector<Segment>& segments);
 
+/// From far away the legs of people who stand side by side are one segment. If it is legs with gaps
+/// between them, each of them; else nothing: it is a wall.
+std::vector<Segment> legsOf(const ScanPoints& points, const Segment& segment, double widest_leg_m);
+
 }  // namespace roundabout::perception

@@ -84,6 +84,26 @@ TEST(Segments, GoOnOverTheSeamOfAFullCircle) {
   EXPECT_EQ(segments[0].beams, (std::vector<std::size_t>{358, 359, 0, 1}));
 }
 
+TEST(Segments, AreLegsOrAWall) {
+  ScanPoints points;
+  std::vector<float> ranges(60, kInfinity);
+  for (const std::size_t leg : {10U, 14U, 30U, 34U}) {  // 0.02 x 8 m = 16 cm between two beams
+    ranges[leg] = ranges[leg + 1] = 8.0F;
+  }
+  core::LaserScan scan = scanOf(ranges);
+  toPoints(scan, {}, {}, {}, points);
+  Segment crowd;
+  crowd.beams = {10, 11, 14, 15, 30, 31, 34, 35};
+  EXPECT_EQ(legsOf(points, crowd, 0.32).size(), 4U);
+  std::fill(ranges.begin(), ranges.end(), 8.0F);
+  toPoints(scanOf(ranges), {}, {}, {}, points);
+  Segment wall;
+  for (std::size_t i = 0; i < 60; ++i) {
+    wall.beams.push_back(i);
+  }
+  EXPECT_TRUE(legsOf(points, wall, 0.32).empty());
+}
+
 TEST(ScanGate, RefusesWhatNoSweepIs) {
   ScanGate gate;
   EXPECT_EQ(gate.judge(scanOf(std::vector<float>(100, 2.0F), 1'000'000)), nullptr);

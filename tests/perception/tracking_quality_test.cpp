@@ -16,7 +16,6 @@ ClearMot::Result follow(const test::CrowdSettings& settings, const std::string& 
   test::Crowd crowd(settings);
   config::Perception perception;
   perception.max_range_m = settings.range_m;
-  if (const char* q = getenv("ACC")) perception.acceleration_density = atof(q);
   AgentFinder finder(perception, makeClusterer(clusterer, "test"));
   ClearMot judge(0.5);
   constexpr double kPeriod_s = 0.025;
