@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -55,6 +56,10 @@ class PerceptionCore {
 
   const config::Vehicle& vehicle() const { return vehicle_; }
   const AgentFinder& finder() const { return finder_; }
+  /// nullptr: there is no map yet.
+  const StaticCells* cells() const { return cells_.get(); }
+  /// What the detector found last, by camera.
+  const std::map<std::string, std::vector<PersonBox>>& boxes() const { return boxes_; }
 
  private:
   struct Looking {  // at an image
@@ -86,6 +91,7 @@ class PerceptionCore {
   AgentFinder finder_;
   OccupancyMapper mapper_;
   std::shared_ptr<const StaticCells> cells_;
+  std::map<std::string, std::vector<PersonBox>> boxes_;
   core::TickTimer map_timer_;
   core::TickTimer publish_timer_;
   core::TickTimer blind_timer_;
