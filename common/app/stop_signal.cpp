@@ -30,6 +30,31 @@ sigset_t stopSignals() {
   return signals;
 }
 
+// The thread that made the object. Libraries (OpenBLAS behind OpenCV and libtorch) start threads
+// before main() does anything, and those do not block signals.
+pthread_t maker;
+
+void passOn(int signal) {
+  if (pthread_equal(pthread_self(), maker) == 0) {
+    pthread_kill(maker, signal);
+    return;
+  }
+  // Let through in the thread itself: a child between fork and exec.
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+void handle(const sigset_t& signals, void (*handler)(int)) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (sigismember(&signals, signal) == 1) {
+      struct sigaction action {};
+      action.sa_handler = handler;
+      action.sa_flags = SA_RESTART;
+      sigaction(signal, &action, nullptr);
+    }
+  }
+}
+
 }  // namespace
 
 StopSignal::StopSignal() {
@@ -39,6 +64,8 @@ StopSignal::StopSignal() {
     throw core::StartupError("process", "signals", "a descriptor", std::strerror(errno));
   }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  maker = pthread_self();
+  handle(signals, passOn);
 }
 
 StopSignal::~StopSignal() {
@@ -46,6 +73,7 @@ StopSignal::~StopSignal() {
   drain();
   close(descriptor_);
   const sigset_t signals = stopSignals();
+  handle(signals, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 

@@ -9,6 +9,7 @@ namespace {
 
 // Farther than this behind the neighbouring beam's echo: it is hidden, not ended.
 constexpr double kHides_m = 0.2;
+constexpr double kNearlyOutOfReach = 0.93;
 
 // Between legs that are one segment: this wide, and so many times the distance of neighbouring
 // points.
@@ -36,7 +37,11 @@ double widthOf(const ScanPoints& points, const std::vector<std::size_t>& beams) 
   return std::max({(last - first).norm(), (middle - first).norm(), (last - middle).norm()});
 }
 
+/// Or the end of what the lidar reaches.
 bool hides(const ScanPoints& points, std::size_t beam, std::size_t neighbour) {
+  if (points.hit[neighbour] == 0) {
+    return points.range_m[beam] > kNearlyOutOfReach * points.range_m[neighbour];
+  }
   return points.hit[neighbour] != 0 && points.range_m[neighbour] + kHides_m < points.range_m[beam];
 }
 

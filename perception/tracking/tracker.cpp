@@ -131,7 +131,7 @@ void Tracker::miss(Track& track, const ScanPoints& points, double step_s) {
 
 void Tracker::begin(const Detection& detection, core::Utime utime) {
   // What looks out from behind somebody may be a piece of a wall: it can be followed, not begun.
-  if (detection.hidden && detection.legs == 0) {
+  if (detection.hidden && detection.legs < 2) {
     return;
   }
   tracks_.push_back({next_id_++, PersonFilter(detection.position_m, detection.deviation_m), utime,

@@ -1,5 +1,6 @@
 #include "common/app/stop_signal.h"
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 
@@ -35,6 +36,24 @@ TEST(StopSignal, CountsSignals) {
   raise(SIGINT);
   raise(SIGTERM);
   EXPECT_EQ(stop.count(), 3);
+}
+
+TEST(StopSignal, HearsWhatReachesAThreadThatIsOlder) {
+  std::atomic<bool> over = false;
+  std::thread older([&over] {
+    while (!over) {
+      std::this_thread::yield();
+    }
+  });
+  {
+    StopSignal stop;
+    pthread_kill(older.native_handle(), SIGTERM);
+    pollfd waiting{stop.fileDescriptor(), POLLIN, 0};
+    EXPECT_EQ(poll(&waiting, 1, 5000), 1);
+    EXPECT_EQ(stop.count(), 1);
+  }
+  over = true;
+  older.join();
 }
 
 TEST(StopSignal, CountsAHangUpOnceAndOnlyIfItIsTheFirst) {
