@@ -7,8 +7,9 @@ namespace roundabout::learning {
 /// Adam (Kingma and Ba 2015).
 struct Adam {
   static constexpr double kFirstDecay = 0.9;
-  static constexpr double kSecondDecay = 0.99;
-  static constexpr double kEpsilon = 1e-6;
+
+  double second_decay = 0.99;
+  double epsilon = 1e-6;
 
   Parameters first;   ///< running mean of the gradient
   Parameters second;  ///< running mean of its square

@@ -60,6 +60,9 @@ void Environment::beginSamples() {
 }
 
 double Environment::potentialOf(std::size_t i) const {
+  if (!recipe_.potential) {
+    return 0.0;
+  }
   const core::EgoAgent& agent = world_->agent(i);
   return planner::loneAgentValue((agent.goal_world_m - agent.position_world_m).norm(),
                                  agent.preferred_speed_mps);
@@ -80,7 +83,8 @@ void Environment::observe(Samples& samples) {
   }
 }
 
-void Environment::choose(Samples& samples, const Matrix& heads, std::size_t first_sample) {
+void Environment::choose(Samples& samples, const Eigen::Ref<const Matrix>& heads,
+                         std::size_t first_sample) {
   for (std::size_t i = 0; i < world_->size(); ++i) {
     if (!underWay(i)) {
       continue;

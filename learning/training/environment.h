@@ -38,7 +38,7 @@ class Environment {
   void observe(Samples& samples);
   /// Draws an action for each learner that was just observed. heads: a row of scores for every
   /// sample from first_sample on, and the value after the scores.
-  void choose(Samples& samples, const Matrix& heads, std::size_t first_sample);
+  void choose(Samples& samples, const Eigen::Ref<const Matrix>& heads, std::size_t first_sample);
   /// Everybody moves; rewards are filled in. When all learners are done a new episode begins.
   void step(Samples& samples);
   /// What learners under way see after the last step, and their last samples.

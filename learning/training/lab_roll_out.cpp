@@ -46,7 +46,9 @@ class Learner final : public planner::Policy {
     }
     const Scores log_probabilities = logProbabilities(scores, sharpness_);
     const int action = drawAction(log_probabilities, random_.uniform(0.0, 1.0));
-    const double potential = planner::loneAgentValue(observation.ego[0], observation.ego[2]);
+    const double potential = weights_->value_baseline == planner::ValueBaseline::kLoneAgent
+                                 ? planner::loneAgentValue(observation.ego[0], observation.ego[2])
+                                 : 0.0;
 
     const std::size_t sample = diary_->samples.add(observation);
     diary_->samples.action[sample] = static_cast<std::uint8_t>(action);

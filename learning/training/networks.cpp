@@ -13,7 +13,9 @@ namespace roundabout::learning {
 
 NetworkPlan networkPlan(const Recipe& recipe) {
   return {"ga3c_cadrl_" + recipe.network, recipe.max_others,
-          planner::othersOrderNamed(recipe.others_order).value(), recipe.engine == "torch"};
+          planner::othersOrderNamed(recipe.others_order).value(),
+          recipe.potential ? planner::ValueBaseline::kLoneAgent : planner::ValueBaseline::kNone,
+          recipe.engine == "torch"};
 }
 
 ParameterLayout NetworkPlan::layout() const {

@@ -15,6 +15,7 @@ struct NetworkPlan {
   std::string architecture;
   int max_others = 0;
   planner::OthersOrder others_order = planner::OthersOrder::kClosestLast;
+  planner::ValueBaseline value_baseline = planner::ValueBaseline::kLoneAgent;
   bool by_torch = false;  ///< also where there is one written by hand
 
   ParameterLayout layout() const;

@@ -51,9 +51,27 @@ void describe(Visitor& visit, Ppo& ppo) {
   visit("clip", ppo.clip, between(0.0, 1.0));
   visit("trace_decay", ppo.trace_decay, between(0.0, 1.0));
   visit("value_weight", ppo.value_weight, atLeast(0.0));
+  visit("mirrored_share", ppo.mirrored_share, between(0.0, 1.0));
   visit("max_gradient_norm", ppo.max_gradient_norm, above(0.0));
   visit("max_divergence", ppo.max_divergence, above(0.0));
   visit("averaged_updates", ppo.averaged_updates, atLeast(1.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Imitation& imitation) {
+  visit("updates", imitation.updates, between(0.0, 1e9));
+  visit("batch", imitation.batch, between(1.0, 1e6));
+  visit("learning_rate", imitation.learning_rate, above(0.0));
+  visit("cases", imitation.cases, between(1.0, 1e6));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Ga3c& ga3c) {
+  visit("environments", ga3c.environments, between(1.0, 100000.0));
+  visit("return_steps", ga3c.return_steps, between(1.0, 10000.0));
+  visit("batch", ga3c.batch, between(1.0, 1e6));
+  visit("prediction_batch", ga3c.prediction_batch, between(1.0, 1e6));
+  visit("iteration_samples", ga3c.iteration_samples, atLeast(1.0));
 }
 
 template <class Visitor>
@@ -72,11 +90,15 @@ void describe(Visitor& visit, Recipe& recipe) {
   visit("max_others", recipe.max_others, between(1.0, 100.0));
   visit("others_order", recipe.others_order,
         config::oneOf({"closest_last", "closest_first", "time_to_collision"}));
+  visit("algorithm", recipe.algorithm, config::oneOf({"ppo", "ga3c"}));
   visit("begin_with", recipe.begin_with);
   visit("seed", recipe.seed);
   visit("shards", recipe.shards, between(1.0, 256.0));
+  visit("potential", recipe.potential);
   visit("checkpoint_agent_steps", recipe.checkpoint_agent_steps, above(0.0));
+  visit("imitation", recipe.imitation);
   visit("ppo", recipe.ppo);
+  visit("ga3c", recipe.ga3c);
   visit("crowd", recipe.crowd);
   visit("validation", recipe.validation);
   visit("stages", recipe.stages);
@@ -116,6 +138,9 @@ Recipe parseRecipe(const std::string& yaml, const std::string& file,
       document.fail("stages[" + std::to_string(i) + "].max_agents",
                     "at least " + std::to_string(stage.min_agents),
                     std::to_string(stage.max_agents));
+    }
+    if (recipe.algorithm == "ga3c" && stage.world != "ideal") {
+      document.fail("stages[" + std::to_string(i) + "].world", "ideal, with ga3c", stage.world);
     }
   }
   return recipe;

@@ -53,9 +53,28 @@ struct Ppo {
   double clip = 0.2;
   double trace_decay = 0.95;  ///< lambda of generalised advantage estimation, per 0.2 s
   double value_weight = 2.0;
+  double mirrored_share = 0.0;  ///< of samples: left and right exchanged
   double max_gradient_norm = 0.5;
   double max_divergence = 0.05;    ///< of a minibatch: the rest of the iteration is dropped
   double averaged_updates = 1000;  ///< the network that is kept is the mean of about as many
+};
+
+/// The paper's algorithm (Babaeizadeh et al. 2017, "Reinforcement Learning through Asynchronous
+/// Advantage Actor-Critic on a GPU"), with the constants of mit-acl/rl_collision_avoidance.
+struct Ga3c {
+  int environments = 32;
+  int return_steps = 20;           ///< then the value stands for what is beyond: 4 s
+  int batch = 100;                 ///< at least so many samples for an update
+  int prediction_batch = 128;      ///< at least so many, if as many wait
+  double iteration_samples = 2e4;  ///< between two reports
+};
+
+/// The supervised start.
+struct Imitation {
+  int updates = 0;  ///< none: no such start
+  int batch = 2000;
+  double learning_rate = 4e-5;
+  int cases = 2000;  ///< in which an expert is watched
 };
 
 /// Fixed cases on which the averaged network is judged.
@@ -72,11 +91,15 @@ struct Recipe {
   std::string engine = "auto";  ///< or "torch", also where there is a network written by hand
   int max_others = 19;          ///< the network is shown; the room of one with shared weights
   std::string others_order = "closest_last";
-  std::string begin_with;  ///< weight file of such a network; empty: from nothing
+  std::string algorithm = "ppo";  ///< or "ga3c"
+  std::string begin_with;         ///< weight file of such a network; empty: from nothing
   std::uint64_t seed = 1;
-  int shards = 4;  ///< parts of a batch that may be computed at the same time
+  int shards = 4;         ///< parts of a batch that may be computed at the same time
+  bool potential = true;  ///< rewards are shaped, and the network learns what the others take away
   double checkpoint_agent_steps = 2e6;
+  Imitation imitation;
   Ppo ppo;
+  Ga3c ga3c;
   Crowd crowd;
   Validation validation;
   std::vector<Stage> stages;

@@ -1,5 +1,9 @@
 #include "learning/training/samples.h"
 
+#include <array>
+
+#include "planner/policies/ga3c_cadrl/actions.h"
+
 namespace roundabout::learning {
 
 namespace {
@@ -9,7 +13,34 @@ void extend(std::vector<Value>& values, const std::vector<Value>& more) {
   values.insert(values.end(), more.begin(), more.end());
 }
 
+/// The action that turns as far to the other side.
+constexpr std::array<std::uint8_t, planner::kActions.size()> mirroredActions() {
+  std::array<std::uint8_t, planner::kActions.size()> mirrored{};
+  for (std::size_t i = 0; i < mirrored.size(); ++i) {
+    for (std::size_t j = 0; j < mirrored.size(); ++j) {
+      if (planner::kActions[j].speed_fraction == planner::kActions[i].speed_fraction &&
+          planner::kActions[j].heading_change_rad == -planner::kActions[i].heading_change_rad) {
+        mirrored[i] = static_cast<std::uint8_t>(j);
+      }
+    }
+  }
+  return mirrored;
+}
+
 }  // namespace
+
+void Samples::mirror(std::size_t sample) {
+  static constexpr auto kMirrored = mirroredActions();
+  constexpr std::size_t kHeading = 1;
+  constexpr std::size_t kPositionOrthogonal = 1;
+  constexpr std::size_t kVelocityOrthogonal = 3;
+  ego[sample][kHeading] = -ego[sample][kHeading];
+  for (std::uint32_t i = first_other[sample]; i < first_other[sample + 1]; ++i) {
+    others[i][kPositionOrthogonal] = -others[i][kPositionOrthogonal];
+    others[i][kVelocityOrthogonal] = -others[i][kVelocityOrthogonal];
+  }
+  action[sample] = kMirrored[action[sample]];
+}
 
 void Samples::clear() {
   const auto forget = [](auto&... each) { (each.clear(), ...); };

@@ -41,6 +41,8 @@ struct Samples {
   /// A sample of which only is known what was seen. Returns its number.
   std::size_t add(const planner::Observation& observation);
   void append(const Samples& more);
+  /// Left and right exchanged: what was seen, and the action.
+  void mirror(std::size_t sample);
   /// Keeps the first `count`.
   void truncate(std::size_t count);
 

@@ -76,12 +76,11 @@ class Session {
       : folder_(std::move(folder)), threads_(options.threads) {
     const Recipe& recipe = folder_.recipe();
     if (options.resume) {
-      const Trainer empty(recipe, 1);
-      RunFolder::Checkpoint checkpoint = folder_.loadCheckpoint(empty.layout());
+      RunFolder::Checkpoint checkpoint = folder_.loadCheckpoint(networkPlan(recipe).layout());
       before_ = checkpoint.expense;
-      trainer_.emplace(recipe, threads_, std::move(checkpoint.state));
+      trainer_ = makeTrainer(recipe, threads_, std::move(checkpoint.state));
     } else {
-      trainer_.emplace(recipe, threads_);
+      trainer_ = makeTrainer(recipe, threads_, initialState(recipe));
     }
     watch_.emplace(before_);
     first_steps_ = trainer_->state().agent_steps;
@@ -157,7 +156,7 @@ class Session {
   app::StopSignal stop_;
   RunFolder folder_;
   int threads_;
-  std::optional<Trainer> trainer_;
+  std::unique_ptr<Trainer> trainer_;
   Expense before_;
   std::optional<Stopwatch> watch_;
   RollingMean reward_;

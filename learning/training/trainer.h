@@ -1,17 +1,11 @@
 #pragma once
 
-#include <deque>
 #include <memory>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "learning/training/adam.h"
-#include "learning/training/environment.h"
-#include "learning/training/lab_roll_out.h"
 #include "learning/training/networks.h"
 #include "learning/training/ppo_loss.h"
-#include "learning/training/workers.h"
+#include "learning/training/recipe.h"
 
 namespace roundabout::learning {
 
@@ -38,61 +32,34 @@ struct IterationFigures {
   bool cut_short = false;  ///< the policy moved too far
 };
 
-/// Proximal policy optimisation. The same recipe and state give the same, bit for bit, with any
-/// number of threads.
+/// One algorithm at work on a recipe.
 class Trainer {
  public:
-  /// From scratch.
-  Trainer(const Recipe& recipe, int threads);
-  /// From a state of the same recipe.
-  Trainer(const Recipe& recipe, int threads, TrainingState state);
+  virtual ~Trainer() = default;
 
-  IterationFigures iterate();
+  /// Gathers experience and learns from it, for a second or so.
+  virtual IterationFigures iterate() = 0;
   /// All environments begin new episodes, with random numbers that depend on the number of
   /// iterations alone. A state continues exactly from here.
-  void renewEnvironments();
+  virtual void renewEnvironments() = 0;
 
   const TrainingState& state() const { return state_; }
   const NetworkPlan& plan() const { return plan_; }
   const ParameterLayout& layout() const { return layout_; }
 
- private:
-  /// A part of the environments, and of every batch.
-  struct Shard {
-    Shard(const NetworkPlan& plan, Eigen::Index parameters);
-
-    std::deque<Environment> environments;  ///< they do not move
-    std::optional<LabRollOut> lab;
-    Samples samples;
-    Samples beyond;
-    std::vector<std::size_t> last_samples;
-    Batch batch;
-    std::unique_ptr<TrainableNetwork> network;
-    Matrix d_heads;
-    Parameters gradient;
-    LossFigures figures;
-  };
-
-  void rollOut(Shard& shard);
-  void stepEnvironments(Shard& shard);
-  void flyInTheLab(Shard& shard);
-  void collect(IterationFigures& figures);
-  void normaliseAdvantages();
-  void learn(IterationFigures& figures);
-  LossFigures addGradient(Shard& shard, std::span<const std::uint32_t> order);
-  bool update(std::span<const std::uint32_t> order, LossFigures& sum);
+ protected:
+  Trainer(const Recipe& recipe, TrainingState state);
 
   const Recipe recipe_;
-  NetworkPlan plan_;
-  ParameterLayout layout_;
+  const NetworkPlan plan_;
+  const ParameterLayout layout_;
   TrainingState state_;
-  Workers workers_;
-  std::deque<Shard> shards_;
-  StagePlace place_{};
-  std::shared_ptr<const planner::Ga3cCadrlWeights> flown_;  // in the lab
-  Samples samples_;
-  std::vector<float> advantages_;  // normalised
-  std::vector<std::uint32_t> order_;
 };
+
+/// With which a recipe begins.
+TrainingState initialState(const Recipe& recipe);
+
+/// The algorithm that the recipe says, from a state of the same recipe. threads: of the processor.
+std::unique_ptr<Trainer> makeTrainer(const Recipe& recipe, int threads, TrainingState state);
 
 }  // namespace roundabout::learning

@@ -12,7 +12,7 @@ planner::nn::TensorFile weightFile(const NetworkPlan& plan, const Parameters& pa
                                               .normalisation = planner::kPublishedNormalisation,
                                               .max_others = plan.max_others,
                                               .others_order = plan.others_order,
-                                              .value_baseline = planner::ValueBaseline::kLoneAgent,
+                                              .value_baseline = plan.value_baseline,
                                               .stall = planner::StallSettings{},
                                               .provenance = provenance});
   return file;

@@ -150,8 +150,11 @@ std::string nameOf(const testing::TestParamInfo<NetworkPlan>& info) {
 }
 
 NetworkPlan planOf(std::string_view architecture, bool by_torch) {
-  return {std::string(architecture), architecture == planner::kWeightSharingArchitecture ? 3 : 19,
-          planner::OthersOrder::kClosestLast, by_torch};
+  NetworkPlan plan;
+  plan.architecture = architecture;
+  plan.max_others = architecture == planner::kWeightSharingArchitecture ? 3 : 19;
+  plan.by_torch = by_torch;
+  return plan;
 }
 
 INSTANTIATE_TEST_SUITE_P(ByHand, Network,

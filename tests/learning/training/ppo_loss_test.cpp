@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "learning/training/ga3c_loss.h"
+
 namespace roundabout::learning {
 namespace {
 
@@ -75,6 +77,35 @@ TEST(PpoLoss, SaysHowFarThePolicyHasMoved) {
   const LossFigures moved = ppoLoss({}, 0.0, uniformSample(1.0F), 0, 1.0F, heads, d_heads);
   EXPECT_GT(moved.divergence, 0.1);
   EXPECT_EQ(moved.clipped, 1.0);
+}
+
+TEST(Ga3cLoss, GradientIsTheSlopeOfTheDefinition) {
+  HeadsRow heads;
+  heads << 0.1F, -0.2F, 0.3F, 0.0F, 0.05F, -0.1F, 0.2F, 0.15F, -0.3F, 0.1F, 0.0F, 0.6F;
+  constexpr double kEntropyWeight = 0.01;
+  constexpr int kAction = 4;
+  constexpr double kTarget = 0.25;
+  const double advantage = kTarget - static_cast<double>(heads[kActionCount]);
+  const auto lossAt = [&](const HeadsRow& at) {
+    const Eigen::Array<double, 1, kActionCount> scores =
+        at.head<kActionCount>().cast<double>().array();
+    const Eigen::Array<double, 1, kActionCount> logs = scores - std::log(scores.exp().sum());
+    const double error = kTarget - static_cast<double>(at[kActionCount]);
+    return -logs[kAction] * advantage + kEntropyWeight * (logs.exp() * logs).sum() +
+           0.5 * error * error;
+  };
+  HeadsRow d_heads;
+  ga3cLoss(kEntropyWeight, kAction, static_cast<float>(kTarget), heads, d_heads);
+  for (int k = 0; k < kHeads; ++k) {
+    constexpr float kStep = 1e-3F;
+    HeadsRow up = heads;
+    HeadsRow down = heads;
+    up[k] += kStep;
+    down[k] -= kStep;
+    EXPECT_NEAR(d_heads[k], (lossAt(up) - lossAt(down)) / static_cast<double>(up[k] - down[k]),
+                1e-4)
+        << "head " << k;
+  }
 }
 
 }  // namespace

@@ -6,14 +6,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "learning/training/imitation.h"
 #include "learning/training/run_folder.h"
 #include "learning/training/training_figure.h"
 #include "tests/learning/training/small_recipe.h"
+#include "tests/planner/policies/random_scene.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/startup_error.h"
 
 namespace roundabout::learning {
 namespace {
+
+std::unique_ptr<Trainer> trainerOf(const Recipe& recipe, int threads = 1) {
+  return makeTrainer(recipe, threads, initialState(recipe));
+}
 
 void iterate(Trainer& trainer, int times) {
   for (int i = 0; i < times; ++i) {
@@ -21,49 +27,80 @@ void iterate(Trainer& trainer, int times) {
   }
 }
 
+/// Both algorithms, and what else may depend on chance.
+class ExactTraining : public testing::TestWithParam<std::string> {
+ protected:
+  static Recipe recipe() {
+    Recipe recipe = test::smallRecipe();
+    recipe.algorithm = GetParam();
+    recipe.ppo.mirrored_share = 0.5;
+    recipe.ga3c.environments = 6;
+    recipe.ga3c.iteration_samples = 400;
+    recipe.imitation = {.updates = 2, .batch = 50, .cases = 3};
+    recipe.network = "lstm";
+    return recipe;
+  }
+};
+
+TEST_P(ExactTraining, IsTheSameTwice) {
+  const auto one = trainerOf(recipe());
+  const auto other = trainerOf(recipe());
+  iterate(*one, 4);
+  iterate(*other, 4);
+  EXPECT_EQ(one->state().parameters, other->state().parameters);
+  EXPECT_EQ(one->state().agent_steps, other->state().agent_steps);
+  EXPECT_NE(one->state().parameters, initialState(recipe()).parameters);
+}
+
+TEST_P(ExactTraining, ContinuesExactlyFromACheckpoint) {
+  const test::ScratchFolder scratch;
+  std::optional<RunFolder> folder(RunFolder::create(scratch / "run", recipe()));
+  const auto whole = trainerOf(recipe());
+  iterate(*whole, 3);
+  whole->renewEnvironments();
+  folder->saveCheckpoint(*whole, {10.0, 5.0});
+  iterate(*whole, 3);
+
+  folder.reset();
+  RunFolder again = RunFolder::open(scratch / "run");
+  RunFolder::Checkpoint checkpoint = again.loadCheckpoint(whole->layout());
+  EXPECT_EQ(checkpoint.expense.cpu_s, 5.0);
+  const auto resumed = makeTrainer(again.recipe(), 1, std::move(checkpoint.state));
+  iterate(*resumed, 3);
+  EXPECT_EQ(whole->state().parameters, resumed->state().parameters);
+  EXPECT_EQ(whole->state().averaged, resumed->state().averaged);
+  EXPECT_EQ(whole->state().agent_steps, resumed->state().agent_steps);
+}
+
+std::string algorithmOf(const testing::TestParamInfo<std::string>& training) {
+  return training.param;
+}
+
+INSTANTIATE_TEST_SUITE_P(Trainer, ExactTraining, testing::Values("ppo", "ga3c"), algorithmOf);
+
 TEST(Trainer, IsTheSameWithAnyNumberOfThreads) {
-  Trainer alone(test::smallRecipe(), 1);
-  Trainer together(test::smallRecipe(), 3);
-  iterate(alone, 6);
-  iterate(together, 6);
-  EXPECT_EQ(alone.state().parameters, together.state().parameters);
-  EXPECT_EQ(alone.state().averaged, together.state().averaged);
-  EXPECT_EQ(alone.state().agent_steps, together.state().agent_steps);
+  const auto alone = trainerOf(test::smallRecipe(), 1);
+  const auto together = trainerOf(test::smallRecipe(), 3);
+  iterate(*alone, 6);
+  iterate(*together, 6);
+  EXPECT_EQ(alone->state().parameters, together->state().parameters);
+  EXPECT_EQ(alone->state().averaged, together->state().averaged);
+  EXPECT_EQ(alone->state().agent_steps, together->state().agent_steps);
 }
 
 TEST(Trainer, DependsOnItsSeed) {
   Recipe recipe = test::smallRecipe();
-  Trainer one(recipe, 1);
+  const auto one = trainerOf(recipe);
   recipe.seed = 2;
-  Trainer other(recipe, 1);
-  EXPECT_NE(one.state().parameters, other.state().parameters);
-}
-
-TEST(Trainer, ContinuesExactlyFromACheckpoint) {
-  const test::ScratchFolder scratch;
-  std::optional<RunFolder> folder(RunFolder::create(scratch / "run", test::smallRecipe()));
-  Trainer whole(test::smallRecipe(), 1);
-  iterate(whole, 4);
-  whole.renewEnvironments();
-  folder->saveCheckpoint(whole, {10.0, 5.0});
-  iterate(whole, 4);
-
-  folder.reset();
-  RunFolder again = RunFolder::open(scratch / "run");
-  RunFolder::Checkpoint checkpoint = again.loadCheckpoint(whole.layout());
-  EXPECT_EQ(checkpoint.expense.cpu_s, 5.0);
-  Trainer resumed(again.recipe(), 1, std::move(checkpoint.state));
-  iterate(resumed, 4);
-  EXPECT_EQ(whole.state().parameters, resumed.state().parameters);
-  EXPECT_EQ(whole.state().averaged, resumed.state().averaged);
-  EXPECT_EQ(whole.state().agent_steps, resumed.state().agent_steps);
+  const auto other = trainerOf(recipe);
+  EXPECT_NE(one->state().parameters, other->state().parameters);
 }
 
 TEST(RunFolder, IsForOneAtATime) {
   const test::ScratchFolder scratch;
   const std::string path = scratch / "run";
   RunFolder folder = RunFolder::create(path, test::smallRecipe());
-  folder.saveCheckpoint(Trainer(test::smallRecipe(), 1), {});
+  folder.saveCheckpoint(*trainerOf(test::smallRecipe()), {});
   EXPECT_THAT(test::startupErrorOf([&] { RunFolder::open(path); }),
               testing::HasSubstr("a folder that nobody else trains in"));
 }
@@ -86,15 +123,84 @@ TEST(Trainer, LearnsToGoToItsGoal) {
   recipe.stages[0].max_agents = 1;
   recipe.stages[0].trap_share = 0.0;
   recipe.stages[0].agent_steps = 60'000;
-  Trainer trainer(recipe, 2);
-  iterate(trainer, 5);
-  const double before = trainer.iterate().success;
+  const auto trainer = trainerOf(recipe, 2);
+  iterate(*trainer, 5);
+  const double before = trainer->iterate().success;
   IterationFigures figures;
-  while (trainer.state().agent_steps < 60'000) {
-    figures = trainer.iterate();
+  while (trainer->state().agent_steps < 60'000) {
+    figures = trainer->iterate();
   }
   EXPECT_LT(before, 0.5);
   EXPECT_GT(figures.success, 0.9);
+}
+
+// Asynchronous, with more threads than environments could keep busy.
+TEST(Ga3cTrainer, LearnsToGoToItsGoalInManyThreads) {
+  Recipe recipe = test::smallRecipe();
+  recipe.algorithm = "ga3c";
+  recipe.ga3c.environments = 16;
+  recipe.ga3c.iteration_samples = 5000;
+  recipe.stages[0].min_agents = 1;
+  recipe.stages[0].max_agents = 1;
+  recipe.stages[0].trap_share = 0.0;
+  recipe.stages[0].sharp_share = 0.0;
+  recipe.stages[0].agent_steps = 150'000;
+  recipe.stages[0].learning_rate = {5e-4, 5e-4};
+  const auto trainer = trainerOf(recipe, 3);
+  const double before = trainer->iterate().success;
+  IterationFigures figures;
+  while (trainer->state().agent_steps < 150'000) {
+    figures = trainer->iterate();
+  }
+  EXPECT_LT(before, 0.5);
+  EXPECT_GT(figures.success, 0.9);
+}
+
+TEST(Imitation, LearnsWhatTheExpertDoesAndIsWorth) {
+  Recipe recipe = test::smallRecipe();
+  recipe.potential = false;
+  recipe.imitation = {.updates = 150, .batch = 200, .learning_rate = 1e-3, .cases = 40};
+  const Samples watched = gatherDemonstrations(recipe);
+  ASSERT_GT(watched.size(), 500U);
+  for (const float worth : watched.target) {
+    EXPECT_TRUE(worth > 0.0F ? worth <= 1.0F : worth >= -0.25F);
+  }
+  Parameters parameters = initialState(test::smallRecipe()).parameters;
+  Recipe shortly = recipe;
+  shortly.imitation.updates = 1;
+  Parameters beginner = parameters;
+  const double before = imitate(shortly, watched, beginner);
+  EXPECT_LT(imitate(recipe, watched, parameters), 0.7 * before);
+}
+
+// Like an observation made in a mirrored world.
+TEST(Samples, AreMirrored) {
+  core::RandomStream random(5, "mirror");
+  planner::Scene scene = planner::randomScene(random, 3, 5.0);
+  planner::ObservationEncoder encoder(19, planner::OthersOrder::kClosestLast);
+  Samples samples;
+  samples.add(encoder.encode(scene.ego, scene.others));
+  samples.action[0] = 1;  // full speed, a little to the right
+  samples.mirror(0);
+  const auto flip = [](Eigen::Vector2d& v) { v.y() = -v.y(); };
+  flip(scene.ego.position_world_m);
+  flip(scene.ego.velocity_world_mps);
+  flip(scene.ego.goal_world_m);
+  scene.ego.heading_world_rad = -scene.ego.heading_world_rad;
+  for (core::OtherAgent& other : scene.others) {
+    flip(other.position_world_m);
+    flip(other.velocity_world_mps);
+  }
+  const planner::Observation& expected = encoder.encode(scene.ego, scene.others);
+  for (std::size_t i = 0; i < expected.ego.size(); ++i) {
+    EXPECT_NEAR(samples.ego[0][i], expected.ego[i], 1e-5);
+  }
+  for (std::size_t k = 0; k < expected.others.size(); ++k) {
+    for (std::size_t i = 0; i < expected.others[k].size(); ++i) {
+      EXPECT_NEAR(samples.others[k][i], expected.others[k][i], 1e-5);
+    }
+  }
+  EXPECT_EQ(samples.action[0], 3);
 }
 
 }  // namespace
