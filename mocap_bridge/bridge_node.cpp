@@ -126,10 +126,30 @@ void BridgeNode::noteSetUp(const SourceFrame& frame) {
   }
 }
 
+// A body that is streamed and was never believed.
+void BridgeNode::noteUnused(const StateEstimator::Vehicle& vehicle) {
+  std::size_t mostly = 1;
+  for (std::size_t i = 1; i < kVerdicts; ++i) {
+    const auto count = [&](std::size_t verdict) {
+      return vehicle.tracker.count(static_cast<Verdict>(verdict));
+    };
+    mostly = count(i) > count(mostly) ? i : mostly;
+  }
+  const auto verdict = static_cast<Verdict>(mostly);
+  const char* hint = verdict == Verdict::kAbsent ? ": does the system see its markers?"
+                     : verdict == Verdict::kAcquiring
+                         ? ": it moves farther from frame to frame than it can fly. Are its units "
+                           "others (mocap.scale), or is it very noisy?"
+                         : "";
+  notes_.say(fmt::format("{}: nothing of body {} could be used in 2 s, mostly as {}{}",
+                         vehicle.name, vehicle.body, nameOf(verdict), hint));
+}
+
 // What units and axes that are wrong look like.
 void BridgeNode::notePose(std::size_t vehicle) {
   const core::VehicleState& state = estimator_.states().vehicles[vehicle];
   if (state.last_seen == 0) {
+    noteUnused(estimator_.vehicles()[vehicle]);
     return;
   }
   const Eigen::Vector3d& at = state.position_world_m;

@@ -43,6 +43,7 @@ class BridgeNode final : private PacketSink {
   void noteTracks(const SourceFrame& frame);
   void noteSetUp(const SourceFrame& frame);
   void notePose(std::size_t vehicle);
+  void noteUnused(const StateEstimator::Vehicle& vehicle);
 
   config::Room room_;
   bool resampled_;

@@ -1,26 +1,36 @@
 // What the bridge adds between a packet and its message, and how much of a core it takes.
 
 #include <algorithm>
+#include <memory>
 
 #include <benchmark/benchmark.h>
 
 #include "common/bus/bus.h"
+#include "common/bus/lcm_bus.h"
 #include "mocap_bridge/bridge_node.h"
 #include "mocap_bridge/local_clock.h"
 #include "mocap_bridge/sources/sockets.h"
 #include "mocap_bridge/sources/table.h"
 #include "mocap_bridge/tools/emulate.h"
+#include "tests/support/lcm_url.h"
 
 namespace {
 
 using namespace roundabout;
 
-/// Says when the last message went out, and keeps none.
+/// Says when the last message went out, and keeps none. With a URL it goes out over LCM.
 class StampingBus final : public bus::Bus {
  public:
-  explicit StampingBus(const mocap_bridge::LocalClock& clock) : clock_(clock) {}
-  void publish(const std::string&, std::span<const std::byte> payload) override {
+  StampingBus(const mocap_bridge::LocalClock& clock, const std::string& url) : clock_(clock) {
+    if (!url.empty()) {
+      wire_ = std::make_unique<bus::LcmBus>(url);
+    }
+  }
+  void publish(const std::string& channel, std::span<const std::byte> payload) override {
     benchmark::DoNotOptimize(payload.data());
+    if (wire_) {
+      wire_->publish(channel, payload);
+    }
     published = clock_.now();
     ++messages;
   }
@@ -33,10 +43,11 @@ class StampingBus final : public bus::Bus {
 
  private:
   const mocap_bridge::LocalClock& clock_;
+  std::unique_ptr<bus::LcmBus> wire_;
 };
 
 /// An emulated system and the bridge, in one thread; sockets are real, on loopback.
-void packetToMessage(benchmark::State& state, const char* protocol) {
+void packetToMessage(benchmark::State& state, const char* protocol, const std::string& url = "") {
   const int bodies = static_cast<int>(state.range(0));
   const auto free_port = [] {
     return mocap_bridge::UdpSocket("any", {mocap_bridge::kLoopback, 0}).port();
@@ -55,7 +66,7 @@ void packetToMessage(benchmark::State& state, const char* protocol) {
   const mocap_bridge::Protocol& entry = mocap_bridge::protocolNamed(protocol);
   const auto emulator = entry.make_emulator(settings);
   const mocap_bridge::LocalClock clock;
-  StampingBus bus(clock);
+  StampingBus bus(clock, url);
   mocap_bridge::BridgeNode node(experiment, entry.make_session(experiment.mocap),
                                 std::string(entry.usual_axes), bus);
   std::vector<double> latencies_us;
@@ -87,6 +98,7 @@ void packetToMessage(benchmark::State& state, const char* protocol) {
 }
 
 BENCHMARK_CAPTURE(packetToMessage, natnet, "natnet")->Arg(1)->Arg(20)->Arg(100);
+BENCHMARK_CAPTURE(packetToMessage, natnet_and_lcm, "natnet", test::ownLcmUrl())->Arg(20)->Arg(100);
 BENCHMARK_CAPTURE(packetToMessage, qualisys, "qualisys")->Arg(20)->Arg(100);
 BENCHMARK_CAPTURE(packetToMessage, vicon_udp, "vicon_udp")->Arg(20)->Arg(100);
 

@@ -160,6 +160,22 @@ TEST_F(BridgeNodeTest, UnitsAndAxesThatMakeNoSenseAreSaid) {
   run(2.1, still(1.0, on_its_side, {2.0, 1.0, -9.0}));
   EXPECT_THAT(notes_, Contains(HasSubstr("y_up or z_up")));
   EXPECT_THAT(notes_, Contains(HasSubstr("does not stand upright")));
+  notes_.clear();
+  start();
+  run(2.1, [](SourceFrame& frame) {  // flying, in millimetres
+    for (BodyPose& body : frame.bodies) {
+      body.position_m *= 1000.0;
+    }
+  });
+  EXPECT_THAT(notes_, Contains(testing::AllOf(HasSubstr("hex1: nothing of body hex1"),
+                                              HasSubstr("mocap.scale"))));
+}
+
+TEST_F(BridgeNodeTest, ABodyThatTheSystemNeverSeesIsSaid) {
+  start();
+  run(2.1, [](SourceFrame& frame) { frame.bodies[1].tracked = false; });
+  EXPECT_THAT(notes_, testing::ElementsAre(testing::AllOf(HasSubstr("hex2: nothing of body hex2"),
+                                                          HasSubstr("see its markers"))));
 }
 
 TEST(Replay, ARecordingIsPlayedSteppedAndAtItsPace) {

@@ -117,7 +117,7 @@ void NatnetSession::onDatagram(const UdpSocket::Received& datagram, std::uint16_
     return;
   }
   if (interpreter_.counters().restarts > restarts) {
-    notes_.say("Motive's frame numbers began anew");
+    noteRestart(now);
   }
   EchoResponse echo;
   if (interpreter_.lastWasFrame()) {
@@ -130,6 +130,21 @@ void NatnetSession::onDatagram(const UdpSocket::Received& datagram, std::uint16_
     interpreter_.addEcho(echo, now);
   } else if (interpreter_.lastMessage() == MessageId::kDisconnectByTimeout) {
     connect_.reset();
+  }
+}
+
+void NatnetSession::noteRestart(core::Utime now) {
+  constexpr core::Utime kWhile = 10 * core::kMicrosPerSecond;
+  constexpr int kMany = 3;
+  restarts_lately_ = now - last_restart_ < kWhile ? restarts_lately_ + 1 : 1;
+  last_restart_ = now;
+  if (restarts_lately_ < kMany) {
+    notes_.over("two_servers");
+    notes_.say("Motive's frame numbers began anew");
+  } else {
+    notes_.once("two_servers",
+                "Motive's frame numbers keep jumping back and forth: do two servers send by " +
+                    where() + "? Further jumps are counted");
   }
 }
 

@@ -30,6 +30,7 @@ class NatnetSession final : public Source {
                   PacketSink& sink);
   void onServerInfo(core::Utime now);
   void noteAnswer(core::Utime now);
+  void noteRestart(core::Utime now);
   void openDataSocket();
   void sendWhatIsDue(core::Utime now);
   void connect();
@@ -52,6 +53,8 @@ class NatnetSession final : public Source {
   core::Utime began_ = 0;
   core::Utime last_answer_ = 0;
   core::Utime answering_since_ = 0;  // without 2 s of silence
+  core::Utime last_restart_ = 0;
+  int restarts_lately_ = 0;
   core::Utime last_frame_ = 0;
   SessionTimer connect_{500'000};
   SessionTimer echo_{250'000};

@@ -178,6 +178,23 @@ TEST_F(NatnetSessionTest, ARestartedServerIsFollowedThoughItsClockAndVersionAreO
   }
 }
 
+TEST_F(NatnetSessionTest, NumbersOfTwoServersAreSaidOnce) {
+  startServer();
+  startSession();
+  run(1.0);
+  for (int i = 0; i < 300; ++i) {
+    frame_.number += i % 10 == 0 ? 100'000 : i % 10 == 5 ? -100'000 : 0;
+    step();
+  }
+  EXPECT_GE(counters().restarts, 20);
+  EXPECT_LE(std::count(notes_.begin(), notes_.end(), "Motive's frame numbers began anew"), 2);
+  EXPECT_EQ(std::count_if(notes_.begin(), notes_.end(),
+                          [](const std::string& note) {
+                            return note.find("do two servers send") != std::string::npos;
+                          }),
+            1);
+}
+
 TEST_F(NatnetSessionTest, EditModeIsSaidOfTheFrames) {
   startServer("3.1");
   startSession();
