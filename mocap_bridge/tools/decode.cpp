@@ -29,7 +29,7 @@ Json bodyJson(const BodyPose& body) {
   const Eigen::Vector3d& at = body.position_m;
   const Eigen::Quaterniond& turned = body.orientation;
   json["position"] = {number(at.x()), number(at.y()), number(at.z())};
-  json["quaternion_xyzw"] = {number(turned.x()), number(turned.y()), number(turned.z()),
+  json["quaternion"] = {number(turned.x()), number(turned.y()), number(turned.z()),
                              number(turned.w())};
   json["tracked"] = body.tracked;
   if (std::isfinite(body.residual_m)) {

@@ -147,7 +147,7 @@ TEST_F(MocapLab, DecodePrintsEveryRecordedFrame) {
   EXPECT_EQ(frames, 518);
   EXPECT_EQ(last["frame"], 163'251);
   EXPECT_EQ(last["bodies"][0]["name"], "RaceQuad") << "as the model definition among them says";
-  EXPECT_EQ(last["bodies"][0]["quaternion_xyzw"].size(), 4U);
+  EXPECT_EQ(last["bodies"][0]["quaternion"].size(), 4U);
 }
 
 TEST_F(MocapLab, WhatIsRecordedIsReplayed) {
