@@ -98,6 +98,11 @@ except Refused as refused:
 fleet.formation([(0, 0, 1), (2, 2, 1), (4, 2, 1)], seconds=1, wait=False)
 fleet.wait_until_formed()
 print("formed in phase", fleet.phase, round(fleet.states()["hex2"].position[0], 1))
+fleet.wait_until("go_on", wait=False)
+fleet.go_on()
+fleet.wait_until_done()
+fleet.wait_until("formed")
+print("went on")
 fleet.land()
 )")));
   EXPECT_TRUE(ended.status.clean());
@@ -106,6 +111,7 @@ fleet.land()
                                                    HasSubstr("must be 1.10"))));
   EXPECT_THAT(ended.lines, Contains("third: dropped by hold"));
   EXPECT_THAT(ended.lines, Contains(HasSubstr("formed in phase hold")));
+  EXPECT_THAT(ended.lines, Contains("went on"));
   flight.signal(SIGINT);
   finish(flight);
 }

@@ -48,6 +48,7 @@ function Fleet.new(url)
   self._statuses = 0
   self._heard_at = os.time()
   self._last_id = 0
+  self._asked = 0 -- the last id that is flown
   self._lcm = lcm.lcm.new(url or os.getenv("LCM_DEFAULT_URL") or DEFAULT_URL)
   self._lcm:subscribe("FLEET_STATUS", function(_, data)
     local good, status = pcall(fleet_status_t.decode, data)
@@ -123,6 +124,9 @@ function Fleet:_do(verb, values, options)
   if refusal then
     raise("refused", refusal)
   end
+  if verb ~= "go_on" then
+    self._asked = self._last_id
+  end
   if options.wait ~= false then
     self:wait_until_done(self._last_id, options.timeout)
   end
@@ -192,13 +196,13 @@ function Fleet:phase() return PHASES[self.status.phase] end
 
 --- Until a mission (default: what was asked for last) is done.
 function Fleet:wait_until_done(mission, timeout)
-  mission = mission or self._last_id
+  mission = mission or self._asked
   self:_wait(function() return self.status.finished_mission_id >= mission end, mission, timeout or 120)
 end
 
 --- Until the formation (default: what was asked for last) is formed; it may be held for longer.
 function Fleet:wait_until_formed(mission, timeout)
-  mission = mission or self._last_id
+  mission = mission or self._asked
   self:_wait(function()
     local formed = self.status.mission_id == mission and self.status.phase == HOLD
     return formed or self.status.finished_mission_id >= mission

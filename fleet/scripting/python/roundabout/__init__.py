@@ -81,6 +81,7 @@ class Fleet:
         self._heard_at = time.monotonic()
         self._statuses = 0
         self._last_id = 0
+        self._asked = 0  # the last id that is flown
         self._lcm.subscribe("FLEET_STATUS", self._on_status)
         self._lcm.subscribe("VEHICLE_STATES", self._on_states)
         while self.status is None:
@@ -172,12 +173,12 @@ class Fleet:
 
     def wait_until_formed(self, mission=None, timeout=120.0):
         """Until the formation (default: what was asked for last) is formed; it may be held for longer."""
-        mission = self._last_id if mission is None else mission
+        mission = self._asked if mission is None else mission
         self._wait(lambda: self._finished(mission) or self._formed(mission), mission, timeout)
 
     def wait_until_done(self, mission=None, timeout=120.0):
         """Until a mission (default: what was asked for last) is done."""
-        mission = self._last_id if mission is None else mission
+        mission = self._asked if mission is None else mission
         self._wait(lambda: self._finished(mission), mission, timeout)
 
     # Within
@@ -246,8 +247,10 @@ class Fleet:
         message.num_points = len(message.points)
         self._lcm.publish("MISSION", message.encode())
         self._wait_until_taken(self._last_id)
+        if verb != "go_on":
+            self._asked = self._last_id
         if wait:
-            self.wait_until_done(self._last_id, timeout)
+            self.wait_until_done(self._asked, timeout)
         return self._last_id
 
     def _wait_until_taken(self, mission):
