@@ -99,6 +99,8 @@ fleet.formation([(0, 0, 1), (2, 2, 1), (4, 2, 1)], seconds=1, wait=False)
 fleet.wait_until_formed()
 print("formed in phase", fleet.phase, round(fleet.states()["hex2"].position[0], 1))
 fleet.wait_until("go_on", wait=False)
+while fleet.status.reason != "waits for go_on":
+    fleet.states()
 fleet.go_on()
 fleet.wait_until_done()
 fleet.wait_until("formed")
