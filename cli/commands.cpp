@@ -4,6 +4,7 @@
 #include "cli/fly_command.h"
 #include "cli/mission_command.h"
 #include "cli/operator_commands.h"
+#include "cli/perception_command.h"
 #include "cli/replay/replay_command.h"
 #include "cli/script_command.h"
 #include "cli/spy_command.h"
@@ -23,6 +24,7 @@ void addCommands(CLI::App& app, int& exit_status) {
   learning::addTrainCommand(app, exit_status);
   logs::addLogCommands(app);
   mocap_bridge::addMocapCommands(app, exit_status);
+  addPerceptionCommand(app);
   addReplayCommand(app, exit_status);
   addScriptCommand(app);
   addSpyCommand(app, exit_status);
