@@ -57,6 +57,9 @@ class Stopwatch {
 class RollingMean {
  public:
   void add(double mean, double count) {
+    if (count <= 0.0) {
+      return;
+    }
     const double weight =
         std::max(count / (seen_ + count), 1.0 - std::exp(-count / kRollingEpisodes));
     seen_ += count;
@@ -95,9 +98,11 @@ class Session {
       const IterationFigures figures = trainer_->iterate();
       reward_.add(figures.reward, static_cast<double>(figures.episodes));
       success_.add(figures.success, static_cast<double>(figures.episodes));
-      report(figures, total);
       const long steps = trainer_->state().agent_steps;
       const bool ended = steps >= total;
+      if (ended || stop_.requested() || watch_->read().wall_s - last_report_s_ >= kReportEvery_s) {
+        report(figures, total);
+      }
       if (ended || passed(last_validation_, steps, recipe.validation.every_agent_steps)) {
         judge();
       }
@@ -125,9 +130,6 @@ class Session {
 
   void report(const IterationFigures& figures, long total) {
     const Expense spent = watch_->read();
-    if (spent.wall_s - last_report_s_ < kReportEvery_s) {
-      return;
-    }
     last_report_s_ = spent.wall_s;
     folder_.report(*trainer_, spent, figures, reward_.value(), success_.value());
     const long steps = trainer_->state().agent_steps;

@@ -89,8 +89,8 @@ LearningCurve readLearningCurve(const std::string& run) {
     curve.episodes.push_back(at);
     curve.reward.push_back(numberOf(cells, reward, path));
   }
-  if (curve.episodes.empty()) {
-    throw StartupError(path, "progress", "at least one report", "none");
+  if (curve.episodes.empty() || curve.episodes.back() <= 0.0) {
+    throw StartupError(path, "progress", "a report of at least one episode", "none");
   }
   return curve;
 }

@@ -1,5 +1,6 @@
 #include "learning/training/train_command.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -84,6 +85,12 @@ TEST_P(TrainCommand, EndsAlikeTwiceAndAfterBeingKilled) {
   ASSERT_EQ(statusOf(startTraining(begin("whole"))), 0);
   ASSERT_EQ(statusOf(startTraining(begin("again"))), 0);
   expectSameNetwork(scratch_ / "whole/network.safetensors", scratch_ / "again/network.safetensors");
+
+  // Also of iterations in which no episode ended.
+  std::ifstream progress(scratch_ / "whole/progress.csv");
+  const std::string rows(std::istreambuf_iterator<char>(progress), {});
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 3) << "columns, first and last report";
+  EXPECT_EQ(rows.find("nan"), std::string::npos) << rows;
 
   const pid_t child = startTraining(begin("killed"));
   waitFor(scratch_ / "killed/network.safetensors");
