@@ -8,6 +8,7 @@
 #include "cli/replay/replay_command.h"
 #include "cli/script_command.h"
 #include "cli/spy_command.h"
+#include "learning/evaluation/crossing/crossing_command.h"
 #include "learning/evaluation/evaluate_command.h"
 #include "learning/training/train_command.h"
 #include "logs/log_commands.h"
@@ -21,6 +22,7 @@ void addCommands(CLI::App& app, int& exit_status) {
   addOrderCommand(app, exit_status);
   addMissionCommand(app, exit_status);
   learning::addEvaluateCommand(app, exit_status);
+  learning::addCrossCommand(app, exit_status);
   learning::addTrainCommand(app, exit_status);
   logs::addLogCommands(app);
   mocap_bridge::addMocapCommands(app, exit_status);

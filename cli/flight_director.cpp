@@ -27,6 +27,8 @@ void FlightDirector::onEnd(Role role, const std::string& vehicle, bool clean, do
     case Role::kPlanner:
       vehicles_.at(vehicle).planner_death_s = now_s;
       break;
+    case Role::kPerception:
+      break;  // its vehicle's planner holds by itself
     case Role::kLogger:
       land("the logger died");
       break;

@@ -8,7 +8,7 @@
 namespace roundabout::cli {
 
 /// What a process of a flight is for.
-enum class Role { kLogger, kPlanner, kFleet, kSim, kMocap };
+enum class Role { kLogger, kPlanner, kPerception, kFleet, kSim, kMocap };
 
 /// Wall-clock limits, seconds.
 struct DirectorLimits {

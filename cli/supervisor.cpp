@@ -48,6 +48,8 @@ const char* consequence(Role role) {
       return "all land, since a flight without a log is no experiment";
     case Role::kPlanner:
       return "its vehicle holds, then lands by itself; the others go on";
+    case Role::kPerception:
+      return "its vehicle holds: it sees nobody";
     case Role::kFleet:
       return "vehicles hold at their goals; all land unless a new fleet is started";
     case Role::kSim:
@@ -83,8 +85,11 @@ Supervisor::Supervisor(FlightPlan plan, bus::Bus& bus, app::StopSignal& stop, Co
   recorder_ =
       std::make_unique<Recorder>(bus_, plan_.lcm_url, plan_.logFile(), logs / "lcm-logger.log");
   children_.push_back({Role::kLogger, "", &recorder_->process()});
-  for (const std::string& vehicle : namesOf(plan_.experiment)) {
-    start(Role::kPlanner, "planner", vehicle);
+  for (const config::Vehicle& vehicle : plan_.experiment.vehicles) {
+    start(Role::kPlanner, "planner", vehicle.name);
+    if (config::seesForItself(plan_.experiment, vehicle)) {
+      start(Role::kPerception, "perception", vehicle.name);
+    }
   }
   start(Role::kFleet, "fleet", "");
   startStates();

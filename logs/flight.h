@@ -68,6 +68,20 @@ struct FleetStatus {
   std::vector<std::string> refusals;
 };
 
+/// A person of the simulator.
+struct SeenPerson {
+  std::int32_t id = 0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< world
+  double radius_m = 0.0;
+};
+
+/// One PEDESTRIAN_TRUTH message: where people and vehicles really were.
+struct PeopleFrame {
+  core::Utime utime = 0;
+  std::vector<SeenPerson> people;
+  std::vector<Eigen::Vector2d> vehicles_m;  ///< in the order of the experiment
+};
+
 /// Everything logged about one vehicle.
 struct FlightVehicle {
   std::string name;
@@ -101,6 +115,8 @@ struct Flight {
   std::vector<FlightVehicle> vehicles;  ///< in the order of the experiment file
   std::vector<Logged<FleetStatus>> fleet;
   std::vector<Logged<core::SafetyOrder>> safety_orders;  ///< repetitions left out
+
+  std::vector<PeopleFrame> people;  ///< utime strictly growing; empty outside of the simulator
 
   std::vector<Rejected> rejected;  ///< by channel
   DamageReport damage;

@@ -11,6 +11,7 @@
 #include "logs/flight.h"
 #include "logs/frame_choice.h"
 #include "logs/reading/event_log.h"
+#include "roundabout_msgs/agent_tracks_t.hpp"
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 
@@ -117,6 +118,8 @@ class FlightReader {
       readFleet(event);
     } else if (event.channel == bus::kSafetyOrderChannel) {
       readSafetyOrder(event);
+    } else if (event.channel == bus::kPedestrianTruthChannel) {
+      readPeople(event);
     } else if (event.channel.starts_with(kGoal)) {
       readGoal(event, event.channel.substr(kGoal.size()));
     } else if (event.channel.starts_with(kCommand)) {
@@ -201,6 +204,29 @@ class FlightReader {
         flight_.safety_orders.push_back({event.log_utime, order});
       }
     }
+  }
+
+  void readPeople(const Event& event) {
+    roundabout_msgs::agent_tracks_t message;
+    core::AgentTracks truth;
+    int left_out = 0;
+    if (!decode(event, message) || !accept(event, bus::fromMessage(message, truth, left_out))) {
+      return;
+    }
+    if (!flight_.people.empty() && truth.utime <= flight_.people.back().utime) {
+      reject(event.channel, "its time stamp is old, or corrupt");
+      return;
+    }
+    PeopleFrame frame;
+    frame.utime = truth.utime;
+    for (const core::AgentTrack& track : truth.tracks) {
+      if (track.agent_class == core::AgentClass::kVehicle) {
+        frame.vehicles_m.push_back(track.position_world_m);
+      } else {
+        frame.people.push_back({track.id, track.position_world_m, track.radius_m});
+      }
+    }
+    flight_.people.push_back(std::move(frame));
   }
 
   void readGoal(const Event& event, std::string_view name) {

@@ -73,6 +73,17 @@ void PerceptionNode::subscribeCamera(std::size_t camera) {
       });
 }
 
+void PerceptionNode::announce() {
+  if (frame_.utime != 0) {
+    return;
+  }
+  core::AgentTracks nothing;
+  nothing.vehicle = core_.vehicle().name;
+  nothing.health = core::PerceptionHealth::kBlind;
+  nothing.reason = "no vehicle states yet";
+  bus::publish(bus_, bus::agentTracksChannel(nothing.vehicle), bus::toMessage(nothing));
+}
+
 void PerceptionNode::publish(Clock::time_point begin) {
   // First: who has the tracks of a sweep has the map that was known then.
   if (const auto map = core_.takeMap()) {

@@ -21,6 +21,10 @@ class PerceptionNode {
 
   PerceptionCore& core() { return core_; }
 
+  /// Says that it is there, and blind, as long as it has not heard of any state. For those that
+  /// wait for everybody before they begin; call it a few times a second of wall clock.
+  void announce();
+
  private:
   void subscribe();
   void subscribeCamera(std::size_t camera);

@@ -22,8 +22,14 @@ int runPerception(const PerceptionOptions& options, app::Context& context) {
   PerceptionNode node(experiment, options.vehicle, std::move(detector), bus);
   spdlog::info("{} sees by {} and {} cameras with {} on {}", options.vehicle, settings.clusterer,
                node.core().vehicle().cameras.size(), settings.detector, context.lcm_url);
+  constexpr std::chrono::milliseconds kAnnouncements{200};
+  auto next_announcement = std::chrono::steady_clock::now();
   while (!context.stop.requested()) {
     bus.handle(std::chrono::milliseconds(20));
+    if (std::chrono::steady_clock::now() >= next_announcement) {
+      node.announce();
+      next_announcement += kAnnouncements;
+    }
   }
   if (!node.core().saveMap()) {
     spdlog::error("{} cannot be written", settings.map_file);

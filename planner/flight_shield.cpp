@@ -25,6 +25,9 @@ constexpr double kOldestWish_s = 0.5;
 constexpr double kReserve = 1.5;
 // Of the acceleration that a multirotor's autopilot asks of its attitude loop.
 constexpr double kMostJerk_mps3 = 30.0;
+// Of people who are seen, if they stop at all.
+constexpr double kPersonReacts_s = 0.3;
+constexpr double kPersonBrakes_mps2 = 2.0;
 
 const config::MotionBounds& boundsOf(const config::Shield& shield, const config::Vehicle& vehicle) {
   return vehicle.model == "unicycle"       ? shield.unicycle
@@ -213,6 +216,25 @@ shield::Neighbour FlightShield::neighbour(std::size_t vehicle, core::Utime now,
   return other;
 }
 
+/// Somebody on the floor who is told nothing and says nothing: gets the whole gap, and more the
+/// less is known of where it is.
+shield::Neighbour FlightShield::neighbour(const SeenAgent& agent) const {
+  shield::Neighbour other;
+  other.motion.position_world_m = agent.measured_m;
+  other.motion.velocity_world_mps = agent.velocity_mps;
+  other.motion.lowest_m = experiment_.room.min_m.z();
+  other.motion.highest_m = experiment_.room.max_m.z();
+  other.motion.age_s = agent.age_s;
+  other.bounds.max_acceleration_mps2 = kPersonBrakes_mps2;
+  other.bounds.delay_s = kPersonReacts_s;
+  other.radius_m = agent.radius_m + agent.uncertainty_m;
+  other.max_speed_mps = std::max(agent.velocity_mps.norm(), experiment_.planner.standing_speed_mps);
+  other.id = agent.id;
+  other.shielded = false;
+  other.parked = agent.stands;
+  return other;
+}
+
 /// What it is going to do, by what it said: whoever is told nothing stays where it is.
 void FlightShield::setIntent(const core::Command* said, const core::VehicleState& state,
                              const config::Vehicle& described, shield::Neighbour& other) const {
@@ -238,8 +260,13 @@ void FlightShield::collectNeighbours(core::Utime now, const Situation& situation
   }
   const TrackTable& tracks = situation.tracks();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    if (i != own_index_ && tracks.at(i).seen()) {
+    if (situation.knowsOf(i)) {
       neighbours_.push_back(neighbour(i, now, tracks.at(i)));
+    }
+  }
+  for (const SeenAgent& agent : situation.seen().agents()) {
+    if (!situation.isKnown(agent, now)) {
+      neighbours_.push_back(neighbour(agent));
     }
   }
 }

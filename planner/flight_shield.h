@@ -52,6 +52,7 @@ class FlightShield {
   void flyInstead(const shield::ShieldDecision& decision, const Situation& situation,
                   core::Command& command) const;
   shield::Neighbour neighbour(std::size_t vehicle, core::Utime now, const Track& track);
+  shield::Neighbour neighbour(const SeenAgent& agent) const;
   void setIntent(const core::Command* said, const core::VehicleState& state,
                  const config::Vehicle& described, shield::Neighbour& other) const;
   void collectNeighbours(core::Utime now, const Situation& situation);

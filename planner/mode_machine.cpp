@@ -24,9 +24,9 @@ void ModeMachine::noteGap(double gap_s, const config::Safety& safety) {
 }
 
 Verdict ModeMachine::decide(core::Utime now, double period_s, const Situation& situation,
-                            const GoalQueue& goals, const RoomGuard& room, bool has_scan) {
+                            const GoalQueue& goals, const RoomGuard& room, const Sight& sight) {
   latchFaults(now, period_s, situation, room);
-  const Verdict verdict = judge(now, situation, goals, has_scan);
+  const Verdict verdict = judge(now, situation, goals, sight);
   noteMotors(verdict.mode, situation);
   return verdict;
 }
@@ -54,7 +54,7 @@ void ModeMachine::latchFaults(core::Utime now, double period_s, const Situation&
 }
 
 Verdict ModeMachine::judge(core::Utime now, const Situation& situation, const GoalQueue& goals,
-                           bool has_scan) {
+                           const Sight& sight) {
   switch (latch_.state()) {
     case Latch::kKill:
       return {Mode::kKilled, latch_.reason()};
@@ -82,7 +82,7 @@ Verdict ModeMachine::judge(core::Utime now, const Situation& situation, const Go
   if (const std::string lost = situation.lostNeighbour(now); !lost.empty()) {
     return {motors_on_ ? Mode::kHolding : Mode::kOnFloor, lost};
   }
-  return obeyGoal(situation, goals, has_scan);
+  return obeyGoal(situation, goals, sight);
 }
 
 Verdict ModeMachine::land(const std::string& reason, const Situation& situation) {
@@ -91,7 +91,7 @@ Verdict ModeMachine::land(const std::string& reason, const Situation& situation)
 }
 
 Verdict ModeMachine::obeyGoal(const Situation& situation, const GoalQueue& goals,
-                              bool has_scan) const {
+                              const Sight& sight) const {
   const auto& goal = goals.current();
   const bool flies = config::flies(situation.vehicle());
   if (!goal) {
@@ -113,8 +113,8 @@ Verdict ModeMachine::obeyGoal(const Situation& situation, const GoalQueue& goals
     return {Mode::kOnFloor, goals.refusal().empty() ? "on the floor: a take-off must come before go"
                                                     : goals.refusal()};
   }
-  if (!has_scan) {
-    return {Mode::kHolding, "no laser scan"};
+  if (!sight.missing.empty()) {
+    return {Mode::kHolding, sight.missing};
   }
   return {Mode::kFlying, goals.refusal()};
 }

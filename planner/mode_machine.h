@@ -10,6 +10,11 @@
 
 namespace roundabout::planner {
 
+/// Why the vehicle does not see what it drives by: scans, tracks; empty: it sees enough.
+struct Sight {
+  std::string missing;
+};
+
 /// Decides on every tick whether the vehicle flies, and if not, which safe thing it does: the latch
 /// first, then landing, the own track, lost neighbours, and only then the goal.
 class ModeMachine {
@@ -18,9 +23,9 @@ class ModeMachine {
   const OrderLatch& latch() const { return latch_; }
   bool killed() const { return latch_.state() == Latch::kKill; }
 
-  /// `period_s`: to the next tick. `has_scan`: false if the policy needs one and there is none.
+  /// `period_s`: to the next tick.
   Verdict decide(core::Utime now, double period_s, const Situation& situation,
-                 const GoalQueue& goals, const RoomGuard& room, bool has_scan);
+                 const GoalQueue& goals, const RoomGuard& room, const Sight& sight);
 
   /// No states for `silence_s` of wall clock.
   Verdict decideOnSilence(double silence_s, const config::Safety& safety, const GoalQueue& goals);
@@ -37,8 +42,9 @@ class ModeMachine {
  private:
   void latchFaults(core::Utime now, double period_s, const Situation& situation,
                    const RoomGuard& room);
-  Verdict obeyGoal(const Situation& situation, const GoalQueue& goals, bool has_scan) const;
-  Verdict judge(core::Utime now, const Situation& situation, const GoalQueue& goals, bool has_scan);
+  Verdict obeyGoal(const Situation& situation, const GoalQueue& goals, const Sight& sight) const;
+  Verdict judge(core::Utime now, const Situation& situation, const GoalQueue& goals,
+                const Sight& sight);
   Verdict land(const std::string& reason, const Situation& situation);
   void noteMotors(Mode mode, const Situation& situation);
 

@@ -33,6 +33,7 @@ PlannerCore::PlannerCore(const config::Experiment& experiment, const std::string
     : experiment_(experiment),
       own_index_(indexOf(experiment, vehicle)),
       tracks_(experiment),
+      seen_(experiment),
       timer_(experiment.planner.rate_hz),
       room_(experiment.room, experiment.vehicles[own_index_], experiment.safety.room_land_margin_m),
       pilot_(experiment, own_index_, std::move(policy)),
@@ -69,6 +70,7 @@ void PlannerCore::beginAnew() {
   first_frame_ = 0;
   orders_.beginAnew();
   goals_.clear();
+  seen_.clear();
   modes_.beginAnew();
   pilot_.beginAnew();
   shield_.beginAnew();
@@ -100,6 +102,12 @@ const char* PlannerCore::onScan(const core::LaserScan& scan) {
   }
   pilot_.onScan(scan);
   return nullptr;
+}
+
+const char* PlannerCore::onTracks(const core::AgentTracks& tracks) {
+  const char* const refusal = seen_.offer(tracks, gate_.last());
+  rejected_messages_ += refusal == nullptr ? 0 : 1;
+  return refusal;
 }
 
 const char* PlannerCore::onOthersCommand(const core::Command& command) {
@@ -135,12 +143,28 @@ void PlannerCore::applyGoals(core::Utime now) {
 
 PlannerCore::Tick PlannerCore::tick(core::Utime now) {
   applyGoals(now);
+  seen_.apply(now);
   shield_.observe(now, situation());
-  const Verdict verdict = modes_.decide(now, core::toSeconds(timer_.periodUs()), situation(),
-                                        goals_, room_, pilot_.seesEnough(now));
+  const Sight seen = sight(now);
+  const Verdict verdict =
+      modes_.decide(now, core::toSeconds(timer_.periodUs()), situation(), goals_, room_, seen);
+  const bool stopped = verdict.mode == Mode::kHolding && verdict.reason == seen.missing;
+  ticks_without_tracks_ += stopped && seen_.used() && !seen_.fresh() ? 1 : 0;
   const Tick result = report(now, now, verdict);
   shield_.onSent(result.command, situation());
   return result;
+}
+
+/// Whether the vehicle sees what it drives by.
+Sight PlannerCore::sight(core::Utime now) {
+  if (!pilot_.seesEnough(now)) {
+    return {"no laser scan"};
+  }
+  if (!seen_.used() || seen_.fresh()) {
+    return {};
+  }
+  return {seen_.blindReason().empty() ? "no tracks from perception"
+                                      : "perception is blind: " + seen_.blindReason()};
 }
 
 PlannerCore::Tick PlannerCore::onSilence(double silence_s) {
@@ -160,6 +184,11 @@ PlannerCore::Tick PlannerCore::report(core::Utime now, core::Utime state_utime,
   status.closest_separation_m = situation().closestSeparation(now);
   status.rejected_measurements = tracks_.rejectedMeasurements();
   status.missed_ticks = timer_.missed();
+  if (seen_.used()) {
+    status.tracks_used = static_cast<int>(seen_.agents().size());
+    status.tracks_age_s = seen_.ageS();
+    status.ticks_without_tracks = ticks_without_tracks_;
+  }
   status.state_age_s =
       own.seen() ? own.sinceAcceptedS(now) : std::numeric_limits<double>::infinity();
   if (status.goal && own.seen()) {

@@ -18,6 +18,7 @@
 #include "planner/policy.h"
 #include "planner/safety/order_book.h"
 #include "planner/safety/room_guard.h"
+#include "planner/safety/seen_agents.h"
 #include "planner/safety/tracks.h"
 #include "planner/situation.h"
 #include "planner/status.h"
@@ -54,6 +55,11 @@ class PlannerCore {
   /// was refused; nullptr: it was not.
   const char* onScan(const core::LaserScan& scan);
   bool needsScans() const { return pilot_.needsScans(); }
+  /// What the vehicle's perception sees; takes effect at the first tick after its utime. With
+  /// planner.others tracks or both, without tracks from the last safety.tracks_hold_s the vehicle
+  /// holds. Returns why the message was refused; nullptr: it was not.
+  const char* onTracks(const core::AgentTracks& tracks);
+  bool needsTracks() const { return seen_.used(); }
   /// What another vehicle's planner commands; takes effect at the first tick after its utime.
   /// Returns why it was refused; nullptr: it was not.
   const char* onOthersCommand(const core::Command& command);
@@ -91,7 +97,8 @@ class PlannerCore {
   Tick tick(core::Utime now);
   void beginAnew();
   void applyGoals(core::Utime now);
-  Situation situation() const { return {experiment_, own_index_, tracks_}; }
+  Sight sight(core::Utime now);
+  Situation situation() const { return {experiment_, own_index_, tracks_, seen_}; }
   void fill(core::Utime now, core::Command& command, Status& status);
   void limitValidity(core::Utime now, core::Command& command) const;
   void stopUnlessFinite(core::Command& command, Status& status);
@@ -101,6 +108,7 @@ class PlannerCore {
   std::size_t own_index_ = 0;
   core::FrameGate gate_;
   TrackTable tracks_;
+  SeenAgents seen_;
   core::TickTimer timer_;
   RoomGuard room_;
   OrderBook orders_;
@@ -110,6 +118,7 @@ class PlannerCore {
   FlightShield shield_;
   core::Utime first_frame_ = 0;
   int rejected_messages_ = 0;
+  int ticks_without_tracks_ = 0;
 };
 
 }  // namespace roundabout::planner

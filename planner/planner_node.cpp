@@ -46,6 +46,9 @@ roundabout_msgs::planner_status_t toMessage(const Status& status, const PlannerC
   message.rejected_messages = status.rejected_messages;
   message.rejected_measurements = status.rejected_measurements;
   message.missed_ticks = status.missed_ticks;
+  message.tracks_used = status.tracks_used;
+  message.tracks_age = status.tracks_age_s;
+  message.ticks_without_tracks = status.ticks_without_tracks;
   message.compute_time = compute_time_s;
   message.state_age = status.state_age_s;
   return message;
@@ -104,6 +107,9 @@ void PlannerNode::subscribe() {
   if (core_.needsScans()) {
     subscribeScans();
   }
+  if (core_.needsTracks()) {
+    subscribeTracks();
+  }
 }
 
 void PlannerNode::subscribeMap() {
@@ -156,6 +162,33 @@ void PlannerNode::subscribeScans() {
         if (const char* reason = bus::fromMessage(message, scan)) {
           reject(channel, reason);
         } else if (const char* refusal = core_.onScan(scan)) {
+          logRejection(channel, refusal);
+        }
+      },
+      [this](const bus::DecodeError& error) { reject(error.channel, error.reason); });
+}
+
+void PlannerNode::subscribeTracks() {
+  const std::string channel = bus::agentTracksChannel(core_.vehicle().name);
+  bus::subscribe<roundabout_msgs::agent_tracks_t>(
+      bus_, channel,
+      [this, channel,
+       tracks = core::AgentTracks()](const roundabout_msgs::agent_tracks_t& message) mutable {
+        int left_out = 0;
+        const char* const reason = message.vehicle == core_.vehicle().name
+                                       ? bus::fromMessage(message, tracks, left_out)
+                                       : "names another vehicle than its channel";
+        if (reason != nullptr) {
+          reject(channel, reason);
+          return;
+        }
+        if (left_out > 0) {
+          // Somebody is there, and nobody can tell where.
+          reject(channel, "a track is not finite, or has no size");
+          tracks.health = core::PerceptionHealth::kBlind;
+          tracks.reason = "a track is not finite, or has no size";
+        }
+        if (const char* refusal = core_.onTracks(tracks)) {
           logRejection(channel, refusal);
         }
       },

@@ -42,6 +42,7 @@ class PlannerNode {
   void subscribeOthersCommands();
   void subscribeMap();
   void subscribeScans();
+  void subscribeTracks();
   void onStates(const roundabout_msgs::vehicle_states_t& message);
   void publish(const PlannerCore::Tick& tick, double compute_time_s);
   void publishStatus(const Status& status, double compute_time_s);

@@ -29,7 +29,7 @@ double Situation::awayFrom(const core::Goal& goal) const {
 std::string Situation::lostNeighbour(core::Utime now) const {
   const config::Safety& safety = experiment_.safety;
   const Eigen::Vector2d own_m = own().positionAt(now);
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+  for (std::size_t i = 0; i < tracks_.size() && experiment_.planner.others != "tracks"; ++i) {
     const Track& other = tracks_.at(i);
     if (i == own_index_) {
       continue;
@@ -50,14 +50,29 @@ std::string Situation::lostNeighbour(core::Utime now) const {
 double Situation::closestSeparation(core::Utime now) const {
   double closest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < tracks_.size() && own().seen(); ++i) {
-    if (i == own_index_ || !tracks_.at(i).seen()) {
+    if (!knowsOf(i)) {
       continue;
     }
     const double centres_m = (tracks_.at(i).positionAt(now) - own().positionAt(now)).norm();
     closest_m = std::min(
         closest_m, centres_m - vehicle().body_radius_m - experiment_.vehicles[i].body_radius_m);
   }
+  for (const SeenAgent& agent : seen_.agents()) {
+    const double centres_m = (agent.position_m - own().positionAt(now)).norm();
+    closest_m = std::min(closest_m, centres_m - vehicle().body_radius_m - agent.radius_m);
+  }
   return closest_m;
+}
+
+bool Situation::isKnown(const SeenAgent& agent, core::Utime now) const {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const double apart_m = knowsOf(i) ? (tracks_.at(i).positionAt(now) - agent.position_m).norm()
+                                      : std::numeric_limits<double>::infinity();
+    if (apart_m < experiment_.vehicles[i].body_radius_m + agent.radius_m) {
+      return true;
+    }
+  }
+  return false;
 }
 
 core::EgoAgent Situation::egoAgent(core::Utime now, const core::Goal& goal) const {
@@ -75,7 +90,7 @@ void Situation::collectOthers(core::Utime now, std::vector<core::OtherAgent>& ot
   others.clear();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     const Track& track = tracks_.at(i);
-    if (i == own_index_ || !track.seen()) {
+    if (!knowsOf(i)) {
       continue;
     }
     const config::Vehicle& other = experiment_.vehicles[i];
@@ -85,6 +100,12 @@ void Situation::collectOthers(core::Utime now, std::vector<core::OtherAgent>& ot
     others.push_back({track.positionAt(now), track.state().velocity_world_mps.head<2>(),
                       other.assumed_radius_m + other.top_speed_mps * unseen_s,
                       static_cast<int>(i)});
+  }
+  for (const SeenAgent& agent : seen_.agents()) {
+    if (!isKnown(agent, now)) {
+      others.push_back(
+          {agent.position_m, agent.velocity_mps, agent.radius_m + agent.uncertainty_m, agent.id});
+    }
   }
 }
 

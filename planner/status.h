@@ -43,6 +43,9 @@ struct Status {
   int rejected_messages = 0;
   int rejected_measurements = 0;
   int missed_ticks = 0;
+  int tracks_used = 0;
+  double tracks_age_s = std::numeric_limits<double>::quiet_NaN();
+  int ticks_without_tracks = 0;  ///< since start
   double state_age_s = 0.0;
 };
 

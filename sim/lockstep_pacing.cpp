@@ -8,6 +8,7 @@
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
 #include "common/core/error.h"
+#include "roundabout_msgs/agent_tracks_t.hpp"
 #include "roundabout_msgs/planner_status_t.hpp"
 
 namespace roundabout::sim {
@@ -52,21 +53,61 @@ void LockstepPacing::subscribe() {
         barrier_.answered(barrier_.fleet(), status.utime);
       },
       ignore);
+  subscribeWatchers();
+}
+
+void LockstepPacing::subscribeWatchers() {
+  for (std::size_t i = 0; i < experiment_.vehicles.size(); ++i) {
+    if (config::seesForItself(experiment_, experiment_.vehicles[i])) {
+      watchers_.push_back({i});
+    }
+  }
+  for (Watcher& watcher : watchers_) {
+    bus::subscribe<roundabout_msgs::agent_tracks_t>(
+        bus_, bus::agentTracksChannel(experiment_.vehicles[watcher.vehicle].name),
+        [&watcher](const roundabout_msgs::agent_tracks_t& tracks) {
+          watcher.present = true;
+          watcher.newest = std::max(watcher.newest, tracks.utime);
+        },
+        ignore);
+  }
+}
+
+bool LockstepPacing::awaited(const Watcher& watcher, const SimNode& node, core::Utime frame_utime) {
+  const core::Utime scan = node.sensors().newestScan(watcher.vehicle);
+  return watcher.present && scan > 0 && scan <= frame_utime && watcher.newest < scan;
+}
+
+bool LockstepPacing::everybodyPresent() const {
+  return barrier_.absent().empty() &&
+         std::all_of(watchers_.begin(), watchers_.end(),
+                     [](const Watcher& watcher) { return watcher.present; });
+}
+
+std::string LockstepPacing::absentNames() const {
+  std::string names = namesOf(barrier_.absent());
+  for (const Watcher& watcher : watchers_) {
+    if (!watcher.present) {
+      names += (names.empty() ? "" : ", ") +
+               ("perception of " + experiment_.vehicles[watcher.vehicle].name);
+    }
+  }
+  return names;
 }
 
 void LockstepPacing::waitForEverybody(const std::function<bool()>& stop) {
   const auto begin = Clock::now();
   auto reminder = begin + kReminderPeriod;
-  while (!barrier_.absent().empty() && !stop()) {
+  while (!everybodyPresent() && !stop()) {
     const auto now = Clock::now();
     if (std::chrono::duration<double>(now - begin).count() > experiment_.sim.lockstep_start_s) {
       throw core::StartupError(
           experiment_.file, "sim.lockstep_start_s",
           fmt::format("everybody within {} s", experiment_.sim.lockstep_start_s),
-          "nothing from " + namesOf(barrier_.absent()));
+          "nothing from " + absentNames());
     }
     if (now > reminder) {
-      spdlog::info("waiting for {}", namesOf(barrier_.absent()));
+      spdlog::info("waiting for {}", absentNames());
       reminder = now + kReminderPeriod;
     }
     bus_.handle(kGlance);
@@ -83,18 +124,31 @@ void LockstepPacing::run(SimNode& node, const std::function<bool()>& stop) {
     earliest = std::max(earliest + least_interval, Clock::now() - kLongestCatchUp);
     node.advance();
     barrier_.onFrame(node.nextFrameUtime());
-    node.publishFrame();
-    awaitAnswers(stop);
+    awaitAnswers(node, node.publishFrame(), stop);
   }
 }
 
-void LockstepPacing::awaitAnswers(const std::function<bool()>& stop) {
+void LockstepPacing::awaitAnswers(const SimNode& node, core::Utime frame_utime,
+                                  const std::function<bool()>& stop) {
+  const auto sees = [&] {
+    return std::none_of(watchers_.begin(), watchers_.end(), [&](const Watcher& watcher) {
+      return awaited(watcher, node, frame_utime);
+    });
+  };
   const auto begin = Clock::now();
   bus_.handle(std::chrono::milliseconds(0));
-  while (!barrier_.complete() && !stop()) {
+  while (!(barrier_.complete() && sees()) && !stop()) {
     if (std::chrono::duration<double>(Clock::now() - begin).count() >
         experiment_.sim.lockstep_patience_s) {
-      spdlog::warn("no answer from {}: going on without", namesOf(barrier_.awaited()));
+      std::string names = namesOf(barrier_.awaited());
+      for (Watcher& watcher : watchers_) {
+        if (awaited(watcher, node, frame_utime)) {
+          names += (names.empty() ? "" : ", ") +
+                   ("perception of " + experiment_.vehicles[watcher.vehicle].name);
+          watcher.present = false;
+        }
+      }
+      spdlog::warn("no answer from {}: going on without", names);
       barrier_.giveUp();
       return;
     }

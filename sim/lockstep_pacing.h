@@ -12,8 +12,8 @@
 
 namespace roundabout::sim {
 
-/// Steps as soon as everybody has answered, so that a flight runs as fast as the machine allows and
-/// comes out the same every time.
+/// Steps as soon as everybody has answered, perceptions their scans too, so that a flight runs as
+/// fast as the machine allows and comes out the same every time.
 class LockstepPacing {
  public:
   /// utime of the first frame, whatever the wall clock says.
@@ -21,8 +21,8 @@ class LockstepPacing {
 
   LockstepPacing(const config::Experiment& experiment, bus::Bus& bus);
 
-  /// Waits until all planners and the fleet have been heard. Throws core::StartupError naming who
-  /// is missing after sim.lockstep_start_s.
+  /// Waits until all planners, perceptions and the fleet have been heard. Throws core::StartupError
+  /// naming who is missing after sim.lockstep_start_s.
   void waitForEverybody(const std::function<bool()>& stop);
 
   /// Publishes frames until the node is finished or stop() is true, no faster than
@@ -33,13 +33,27 @@ class LockstepPacing {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// The perception of a vehicle.
+  struct Watcher {
+    std::size_t vehicle;
+    bool present = false;
+    core::Utime newest = 0;  ///< utime of its tracks
+  };
+
   void subscribe();
-  void awaitAnswers(const std::function<bool()>& stop);
+  void subscribeWatchers();
+  void awaitAnswers(const SimNode& node, core::Utime frame_utime,
+                    const std::function<bool()>& stop);
+  /// It has poses from after a scan, and has not said what it saw.
+  static bool awaited(const Watcher& watcher, const SimNode& node, core::Utime frame_utime);
+  bool everybodyPresent() const;
   std::string namesOf(const std::vector<std::size_t>& participants) const;
+  std::string absentNames() const;
 
   const config::Experiment experiment_;
   bus::Bus& bus_;
   LockstepBarrier barrier_;
+  std::vector<Watcher> watchers_;
 };
 
 }  // namespace roundabout::sim

@@ -1,6 +1,7 @@
 #include "sim/run_sim.h"
 
 #include <chrono>
+#include <cmath>
 
 #include <spdlog/spdlog.h>
 
@@ -10,6 +11,7 @@
 #include "common/core/error.h"
 #include "mocap_bridge/state_publisher.h"
 #include "sim/lockstep_pacing.h"
+#include "sim/pedestrians/policy_steering.h"
 #include "sim/real_time_pacing.h"
 #include "sim/sim_node.h"
 
@@ -30,6 +32,10 @@ void logReport(const SimNode& node, Clock::time_point begin) {
       "{} collisions in truth ({:.2f} s), closest {:.3f} m, {} messages refused",
       report.frames, report.skipped_frames, report.data_time_s, wall_s, report.data_time_s / wall_s,
       report.contacts, report.contact_s, report.closest_m, report.refused_messages);
+  if (std::isfinite(report.closest_person_m)) {
+    spdlog::info("people: {} collisions in truth ({} by a vehicle's own motion), closest {:.3f} m",
+                 report.encounters, report.encounters_by_vehicle, report.closest_person_m);
+  }
 }
 
 }  // namespace
@@ -57,7 +63,8 @@ int runSim(const SimOptions& options, app::Context& context) {
                context.lcm_url);
 
   if (experiment.sim.pacing == "lockstep") {
-    SimNode node(experiment, bus, LockstepPacing::kFirstUtime);
+    SimNode node(experiment, bus, LockstepPacing::kFirstUtime, bus::kStatesChannel,
+                 steeringFor(experiment));
     LockstepPacing pacing(experiment, bus);
     pacing.waitForEverybody(stop);
     const auto begin = Clock::now();
@@ -66,7 +73,7 @@ int runSim(const SimOptions& options, app::Context& context) {
   } else {
     app::requestLockedMemory();
     SimNode node(experiment, bus, RealTimePacing::firstUtime(experiment.sim.mocap.rate_hz),
-                 options.scene ? bus::kSceneChannel : bus::kStatesChannel);
+                 options.scene ? bus::kSceneChannel : bus::kStatesChannel, steeringFor(experiment));
     RealTimePacing pacing(bus);
     const auto begin = Clock::now();
     pacing.run(node, stop);

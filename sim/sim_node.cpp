@@ -25,17 +25,17 @@ std::vector<std::string> namesOf(const config::Experiment& experiment) {
 }  // namespace
 
 SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime,
-                 const std::string& channel)
+                 const std::string& channel, const SteeringFactory& make_steering)
     : experiment_(experiment),
       first_utime_(first_utime),
       next_utime_(first_utime),
-      world_(experiment, first_utime),
+      world_(experiment, first_utime, make_steering),
       mocap_(experiment, world_.stepUs()),
-      scanners_(experiment),
       bus_(bus),
+      sensors_(experiment, world_, bus),
       publisher_(bus, namesOf(experiment), channel),
       scene_(channel == bus::kSceneChannel) {
-  mocap_.observe(world_.now(), world_.bodies());
+  mocap_.observe(world_.now(), sensors_.believed(world_));
   const auto on_error = [this](const bus::DecodeError& error) {
     rejections_.add(error.channel, error.reason);
   };
@@ -92,24 +92,18 @@ const char* SimNode::refusalOf(const roundabout_msgs::fleet_status_t& message) c
 void SimNode::advance() {
   while (world_.now() < next_utime_ + latencyUs()) {
     world_.step();
-    mocap_.observe(world_.now(), world_.bodies());
+    sensors_.onStep(world_);
+    mocap_.observe(world_.now(), sensors_.believed(world_));
   }
   logNewContacts();
   // Of the world as it is now, which is as much newer than the frame as that is late.
-  sweeps_ = scanners_.sweep(world_.now(), world_.bodies());
+  sensors_.measure(world_);
 }
 
 core::Utime SimNode::publishFrame() {
-  publishScans();
+  sensors_.publish();
   publisher_.publish(exposeNext());
   return publisher_.lastPublished().utime;
-}
-
-void SimNode::publishScans() {
-  for (const LaserScanners::Sweep& sweep : std::exchange(sweeps_, {})) {
-    bus::publish(bus_, bus::laserScanChannel(experiment_.vehicles[sweep.vehicle].name),
-                 bus::toMessage(sweep.scan));
-  }
 }
 
 void SimNode::skipFrame() {
@@ -133,6 +127,16 @@ void SimNode::logNewContacts() {
                                        : experiment_.vehicles[contact.second].name,
                  core::toSeconds(contact.begin - first_utime_));
   }
+  const auto encounters = world_.encounters().all();
+  for (; logged_encounters_ < encounters.size(); ++logged_encounters_) {
+    const Encounter& encounter = encounters[logged_encounters_];
+    spdlog::warn(
+        "{} and pedestrian {} touch {:.2f} s after the first frame ({:.2f} m/s of the "
+        "vehicle's, {:.2f} m/s of the person's)",
+        experiment_.vehicles[encounter.vehicle].name, encounter.person,
+        core::toSeconds(encounter.begin - first_utime_), encounter.vehicle_closing_mps,
+        encounter.person_closing_mps);
+  }
 }
 
 bool SimNode::finished() const {
@@ -147,7 +151,12 @@ SimNode::Report SimNode::report() const {
           world_.contacts().all().size(),
           core::toSeconds(world_.contacts().totalUs()),
           world_.contacts().closestM(),
-          rejections_.total()};
+          rejections_.total(),
+          world_.encounters().all().size(),
+          static_cast<std::size_t>(
+              std::count_if(world_.encounters().all().begin(), world_.encounters().all().end(),
+                            [](const Encounter& each) { return each.byVehicle(); })),
+          world_.encounters().closestM()};
 }
 
 }  // namespace roundabout::sim

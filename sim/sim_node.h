@@ -12,13 +12,13 @@
 #include "roundabout_msgs/fleet_status_t.hpp"
 #include "sim/mocap_model.h"
 #include "sim/rejections.h"
-#include "sim/sensors/laser_scanners.h"
+#include "sim/sensor_node.h"
 #include "sim/world.h"
 
 namespace roundabout::sim {
 
-/// The simulator on a bus: COMMAND_<vehicle> in, VEHICLE_STATES and LASER_SCAN_<vehicle> out. It
-/// does not wait for anything: when the next frame goes out is the pacing's business.
+/// The simulator on a bus: COMMAND_<vehicle> in, VEHICLE_STATES and what vehicles' sensors publish
+/// out. It does not wait for anything: when the next frame goes out is the pacing's business.
 class SimNode {
  public:
   struct Report {
@@ -29,17 +29,21 @@ class SimNode {
     double contact_s;
     double closest_m;
     int refused_messages;
+    std::size_t encounters;  ///< of vehicles with people
+    std::size_t encounters_by_vehicle;
+    double closest_person_m;
   };
 
   /// Frame k has utime first_utime + k frame intervals. Throws core::StartupError as World.
-  /// States go out on `channel`.
+  /// States go out on `channel`. make_steering: as of World.
   SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utime first_utime,
-          const std::string& channel = bus::kStatesChannel);
+          const std::string& channel = bus::kStatesChannel,
+          const SteeringFactory& make_steering = {});
 
   /// Advances the world to the time at which the next frame goes out. The commands that are handled
   /// until the next call reach their vehicles at that time.
   void advance();
-  /// Publishes the sweeps of lidars that are due, then the frame that the last advance() was for,
+  /// Publishes what sensors have that is due, then the frame that the last advance() was for,
   /// so that who has heard the frame has the scans too; returns the frame's utime.
   core::Utime publishFrame();
   /// In place of publishFrame(): the frame is lost, its number too.
@@ -54,6 +58,7 @@ class SimNode {
   bool finished() const;
 
   const World& world() const { return world_; }
+  const SensorNode& sensors() const { return sensors_; }
   const Rejections& rejections() const { return rejections_; }
   Report report() const;
 
@@ -62,7 +67,6 @@ class SimNode {
   void onFleetStatus(const roundabout_msgs::fleet_status_t& message);
   const char* refusalOf(const roundabout_msgs::fleet_status_t& message) const;
   const core::StatesFrame& exposeNext();
-  void publishScans();
   void logNewContacts();
 
   const config::Experiment experiment_;
@@ -72,9 +76,8 @@ class SimNode {
   core::Utime last_fleet_status_ = 0;
   World world_;
   MocapModel mocap_;
-  LaserScanners scanners_;
-  std::span<const LaserScanners::Sweep> sweeps_;  // that go out before the next frame
   bus::Bus& bus_;
+  SensorNode sensors_;
   mocap_bridge::StatePublisher publisher_;
   // Seen through a motion-capture system, frames come back with stamps that are right to a part of
   // their interval.
@@ -82,6 +85,7 @@ class SimNode {
   Rejections rejections_;
   std::int64_t skipped_frames_ = 0;
   std::size_t logged_contacts_ = 0;
+  std::size_t logged_encounters_ = 0;
 };
 
 }  // namespace roundabout::sim

@@ -18,12 +18,23 @@ std::vector<double> bodyRadii(const config::Experiment& experiment) {
   return radii;
 }
 
+std::unique_ptr<Steering> bySocialForce() { return std::make_unique<SocialForce>(); }
+
 }  // namespace
 
-World::World(const config::Experiment& experiment, core::Utime start_utime)
+World::World(const config::Experiment& experiment, core::Utime start_utime,
+             const SteeringFactory& make_steering)
     : now_(start_utime),
       step_us_(core::toUtime(experiment.sim.step_s)),
-      contacts_(bodyRadii(experiment), config::outlinesOf(experiment.obstacles)) {
+      vehicles_(vehiclesOf(experiment)),
+      bodies_(bodiesOf(vehicles_)),
+      wheels_(vehicles_.size()),
+      contacts_(bodyRadii(experiment), config::outlinesOf(experiment.obstacles)),
+      crowd_(experiment, bodies_, make_steering ? make_steering : bySocialForce, start_utime),
+      encounters_(bodyRadii(experiment), experiment.pedestrians.body_radius_m) {}
+
+std::vector<World::Vehicle> World::vehiclesOf(const config::Experiment& experiment) const {
+  std::vector<Vehicle> vehicles;
   const std::vector<config::Start> starts = startPlaces(experiment);
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     const config::Vehicle& vehicle = experiment.vehicles[i];
@@ -31,10 +42,18 @@ World::World(const config::Experiment& experiment, core::Utime start_utime)
     const VehicleAutopilot::Limits limits{experiment.sim.command_hold_s,
                                           experiment.sim.command_land_s, dynamics->commandDelayS(),
                                           vehicle.top_speed_mps, config::flies(vehicle)};
-    bodies_.push_back(dynamics->body());
-    vehicles_.push_back(
+    vehicles.push_back(
         {std::move(dynamics), VehicleAutopilot(limits), pushesOn(vehicle.name, experiment.sim)});
   }
+  return vehicles;
+}
+
+std::vector<BodyState> World::bodiesOf(const std::vector<Vehicle>& vehicles) {
+  std::vector<BodyState> bodies;
+  for (const Vehicle& vehicle : vehicles) {
+    bodies.push_back(vehicle.dynamics->body());
+  }
+  return bodies;
 }
 
 std::vector<World::TimedPush> World::pushesOn(const std::string& name,
@@ -65,9 +84,12 @@ void World::step() {
     }
     vehicle.dynamics->step(vehicle.autopilot.update(now_, bodies_[i]), push, step_s);
     bodies_[i] = vehicle.dynamics->body();
+    wheels_[i] = vehicle.dynamics->wheels();
   }
   now_ += step_us_;
+  crowd_.step(now_, step_s, bodies_);
   contacts_.update(now_, step_us_, bodies_);
+  encounters_.update(now_, bodies_, crowd_.people());
 }
 
 }  // namespace roundabout::sim

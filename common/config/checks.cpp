@@ -182,6 +182,27 @@ void checkLimits(const Experiment& experiment, const Refuse& refuse) {
   }
 }
 
+void checkPedestrians(const Experiment& experiment, const Refuse& refuse) {
+  const Pedestrians& people = experiment.pedestrians;
+  expectCorners("pedestrians.area", people.area, refuse);
+  if (people.body_radius_m < 2.0 * people.leg_radius_m) {
+    refuse("pedestrians.body_radius_m",
+           fmt::format("at least two legs' radii ({})", 2.0 * people.leg_radius_m),
+           fmt::format("{}", people.body_radius_m));
+  }
+  for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
+    const Vehicle& vehicle = experiment.vehicles[i];
+    if (experiment.planner.others == "tracks" && !vehicle.lidar) {
+      refuse(fmt::format("vehicles[{}].lidar", i),
+             "one, since planner.others is tracks and nothing else sees", "none");
+    }
+    if (vehicle.localised_by == "odometry" && vehicle.model != "ground_robot") {
+      refuse(fmt::format("vehicles[{}].localised_by", i),
+             "mocap, since only a ground_robot has wheels to count", "odometry");
+    }
+  }
+}
+
 void checkMocap(const Experiment& experiment, const Refuse& refuse) {
   const std::vector<MocapBody>& bodies = experiment.mocap.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -323,6 +344,7 @@ void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
   }
   checkStartArea(experiment, refuse);
   checkLimits(experiment, refuse);
+  checkPedestrians(experiment, refuse);
   checkMocap(experiment, refuse);
   checkShield(experiment, refuse);
   checkMission(experiment, refuse);

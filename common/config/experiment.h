@@ -62,6 +62,8 @@ struct Vehicle {
   bool shielded = true;        ///< its planner flies behind a shield; others count on what it says
   std::optional<Lidar> lidar;  ///< nothing: it has none
   std::vector<Camera> cameras;
+  /// Whose word its entry in VEHICLE_STATES is: the cameras' (mocap), or its wheels' (odometry).
+  std::string localised_by = "mocap";
 };
 
 /// False for models that stay on the floor: they need no take-off, and landing is stopping.
@@ -88,6 +90,27 @@ struct MultirotorModel {
   double yaw_gain_per_s = 3.0;
   double drag_per_s = 0.1;        ///< linear, acts on velocity
   double command_delay_s = 0.02;  ///< radio and autopilot input, command to first effect
+};
+
+/// Dead reckoning by two wheels.
+struct OdometryModel {
+  double rate_hz = 50.0;
+  double wheel_error = 0.001;  ///< standard deviation of each wheel's constant relative error
+  double slip_m = 0.001;       ///< standard deviation of a wheel's random error after 1 m
+};
+
+/// A robot on two driven wheels and a castor; see sim/dynamics/ground_robot.
+struct GroundRobotModel {
+  double wheel_base_m = 0.35;        ///< between the wheels
+  double max_wheel_speed_mps = 2.5;  ///< of the rims
+  double max_wheel_acceleration_mps2 = 3.0;
+  double wheel_time_constant_s = 0.05;  ///< first-order lag of the wheels' speed controllers
+  double max_turn_rate_radps = 2.5;
+  double heading_gain_per_s = 4.0;   ///< heading error to turn rate
+  double position_gain_per_s = 1.2;  ///< position error to speed
+  double max_position_speed_mps = 0.8;
+  double command_delay_s = 0.02;  ///< command to first effect
+  OdometryModel odometry;
 };
 
 struct Dropout {
@@ -131,6 +154,7 @@ struct Sim {
   Area start_area;                    ///< where random starting places lie
   UnicycleModel unicycle;
   MultirotorModel multirotor;
+  GroundRobotModel ground_robot;
   MocapModel mocap;
   double command_hold_s =
       0.3;  ///< without a valid command for this long the vehicle holds by itself
@@ -159,6 +183,10 @@ struct Planner {
   double command_valid_s = 0.3;
   double heading_gain_per_s = 2.0;  ///< heading-rate feed-forward
   bool watch_wall_clock = true;     ///< off for replay at any speed: only data time counts
+  /// Where others are known from: VEHICLE_STATES (states), the vehicle's own perception (tracks),
+  /// or both.
+  std::string others = "states";
+  double standing_speed_mps = 0.2;  ///< tracks that are slower stand
   Orca orca;
 };
 
@@ -171,6 +199,7 @@ struct Safety {
   double other_track_lost_s =
       1.0;  ///< another vehicle not tracked: those within other_track_hold_radius_m hold
   double other_track_hold_radius_m = 2.0;
+  double tracks_hold_s = 0.3;       ///< perception silent or blind: who drives by it holds
   double jump_margin_m = 0.15;      ///< measured jump beyond top speed x dt + this is rejected
   int max_rejects_in_a_row = 10;    ///< then the track is lost
   double room_land_margin_m = 0.5;  ///< farther than this outside the room: land
@@ -270,6 +299,31 @@ struct Mocap {
   std::vector<MocapBody> bodies;
 };
 
+/// Recorded people, in the format of the ETH data set (obsmat.txt).
+struct Recording {
+  std::string file;      ///< path; empty: nobody
+  double start_s = 0.0;  ///< of the recording, counted from its first line, at the first frame
+  double frames_per_s = 15.0;  ///< what the first column counts
+};
+
+/// People of the simulator. No process but the simulator knows of them.
+struct Pedestrians {
+  int count = 0;  ///< who walk about by a policy
+  /// social_force, or as planner.policy.
+  std::string policy = "social_force";
+  Area area;  ///< in which they begin and have their goals
+  double preferred_speed_mps = 1.0;
+  double speed_deviation_mps = 0.15;  ///< standard deviation between people
+  double standing_share = 0.0;        ///< of `count`; always so many
+  double role_change_s = 0.0;         ///< mean time until two exchange roles; 0: never
+  double least_cooperation = 1.0;     ///< drawn between this and 1: how much one minds vehicles
+  double clear_of_vehicles_m = 1.5;   ///< nobody begins nearer to a vehicle's start
+  double body_radius_m = 0.25;        ///< what collides
+  double leg_radius_m = 0.06;
+  double height_m = 1.75;
+  Recording recording;  ///< these see nobody
+};
+
 /// What a vehicle's perception makes of its scans and images; docs/perception.md.
 struct Perception {
   std::string clusterer = "breakpoints";  ///< entry of perception's table of clusterers
@@ -320,6 +374,7 @@ struct Experiment {
   Safety safety;
   Fleet fleet;
   Sim sim;
+  Pedestrians pedestrians;
   Mocap mocap;
   Perception perception;
   std::vector<NamedPoints>
@@ -327,5 +382,10 @@ struct Experiment {
   std::vector<MissionStep> mission;
   std::string file;  ///< where it was read from; not a key
 };
+
+/// Whether a vehicle has a perception process: its planner wants tracks, and it has a lidar.
+inline bool seesForItself(const Experiment& experiment, const Vehicle& vehicle) {
+  return experiment.planner.others != "states" && vehicle.lidar.has_value();
+}
 
 }  // namespace roundabout::config

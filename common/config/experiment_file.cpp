@@ -27,6 +27,10 @@ std::string withAbsoluteWeights(const std::string& policy, const std::filesystem
          std::filesystem::absolute(weights).lexically_normal().string();
 }
 
+std::string fromFolder(const std::string& file, const std::filesystem::path& folder) {
+  return file.empty() ? file : std::filesystem::absolute(folder / file).lexically_normal().string();
+}
+
 void readPointsFiles(std::vector<MissionStep>& mission, const std::filesystem::path& folder,
                      const Refuse& refuse) {
   for (std::size_t i = 0; i < mission.size(); ++i) {
@@ -89,10 +93,16 @@ Experiment parseExperiment(const std::string& yaml, const std::string& name,
   orientObstacles(experiment.no_fly_zones);
   fillHeights(experiment, refuse);
   checkConsistency(experiment, refuse);
-  experiment.planner.policy = withAbsoluteWeights(experiment.planner.policy,
-                                                  document.overridden("planner.policy")
-                                                      ? std::filesystem::path()
-                                                      : std::filesystem::path(name).parent_path());
+  const auto folderOf = [&](const char* key) {
+    return document.overridden(key) ? std::filesystem::path()
+                                    : std::filesystem::path(name).parent_path();
+  };
+  experiment.planner.policy =
+      withAbsoluteWeights(experiment.planner.policy, folderOf("planner.policy"));
+  experiment.pedestrians.policy =
+      withAbsoluteWeights(experiment.pedestrians.policy, folderOf("pedestrians.policy"));
+  experiment.pedestrians.recording.file =
+      fromFolder(experiment.pedestrians.recording.file, folderOf("pedestrians.recording.file"));
   return experiment;
 }
 

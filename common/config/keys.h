@@ -71,6 +71,7 @@ void describe(Visitor& visit, Vehicle& vehicle) {
   visit("start", vehicle.start);
   visit("lidar", vehicle.lidar);
   visit("cameras", vehicle.cameras);
+  visit("localised_by", vehicle.localised_by, oneOf({"mocap", "odometry"}));
 }
 
 template <class Visitor>
@@ -93,6 +94,8 @@ void describe(Visitor& visit, Planner& planner) {
   visit("command_valid_s", planner.command_valid_s, above(0.0));
   visit("heading_gain_per_s", planner.heading_gain_per_s, atLeast(0.0));
   visit("watch_wall_clock", planner.watch_wall_clock);
+  visit("others", planner.others, oneOf({"states", "tracks", "both"}));
+  visit("standing_speed_mps", planner.standing_speed_mps, atLeast(0.0));
   visit("orca", planner.orca);
 }
 
@@ -128,6 +131,7 @@ void describe(Visitor& visit, Safety& safety) {
   visit("own_track_land_s", safety.own_track_land_s, above(0.0));
   visit("other_track_lost_s", safety.other_track_lost_s, above(0.0));
   visit("other_track_hold_radius_m", safety.other_track_hold_radius_m, atLeast(0.0));
+  visit("tracks_hold_s", safety.tracks_hold_s, above(0.0));
   visit("jump_margin_m", safety.jump_margin_m, atLeast(0.0));
   visit("max_rejects_in_a_row", safety.max_rejects_in_a_row, atLeast(1.0));
   visit("room_land_margin_m", safety.room_land_margin_m, atLeast(0.0));
@@ -168,6 +172,27 @@ void describe(Visitor& visit, MultirotorModel& multirotor) {
   visit("yaw_gain_per_s", multirotor.yaw_gain_per_s, above(0.0));
   visit("drag_per_s", multirotor.drag_per_s, atLeast(0.0));
   visit("command_delay_s", multirotor.command_delay_s, atLeast(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, OdometryModel& odometry) {
+  visit("rate_hz", odometry.rate_hz, above(0.0));
+  visit("wheel_error", odometry.wheel_error, between(0.0, 0.2));
+  visit("slip_m", odometry.slip_m, between(0.0, 1.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, GroundRobotModel& robot) {
+  visit("wheel_base_m", robot.wheel_base_m, above(0.0));
+  visit("max_wheel_speed_mps", robot.max_wheel_speed_mps, above(0.0));
+  visit("max_wheel_acceleration_mps2", robot.max_wheel_acceleration_mps2, above(0.0));
+  visit("wheel_time_constant_s", robot.wheel_time_constant_s, above(0.0));
+  visit("max_turn_rate_radps", robot.max_turn_rate_radps, above(0.0));
+  visit("heading_gain_per_s", robot.heading_gain_per_s, above(0.0));
+  visit("position_gain_per_s", robot.position_gain_per_s, above(0.0));
+  visit("max_position_speed_mps", robot.max_position_speed_mps, above(0.0));
+  visit("command_delay_s", robot.command_delay_s, atLeast(0.0));
+  visit("odometry", robot.odometry);
 }
 
 template <class Visitor>
@@ -213,10 +238,35 @@ void describe(Visitor& visit, Sim& sim) {
   visit("start_area", sim.start_area);
   visit("unicycle", sim.unicycle);
   visit("multirotor", sim.multirotor);
+  visit("ground_robot", sim.ground_robot);
   visit("mocap", sim.mocap);
   visit("command_hold_s", sim.command_hold_s, above(0.0));
   visit("command_land_s", sim.command_land_s, above(0.0));
   visit("pushes", sim.pushes);
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Recording& recording) {
+  visit("file", recording.file);
+  visit("start_s", recording.start_s, atLeast(0.0));
+  visit("frames_per_s", recording.frames_per_s, above(0.0));
+}
+
+template <class Visitor>
+void describe(Visitor& visit, Pedestrians& people) {
+  visit("count", people.count, between(0.0, 200.0));
+  visit("policy", people.policy);
+  visit("area", people.area);
+  visit("preferred_speed_mps", people.preferred_speed_mps, above(0.0));
+  visit("speed_deviation_mps", people.speed_deviation_mps, atLeast(0.0));
+  visit("standing_share", people.standing_share, between(0.0, 1.0));
+  visit("role_change_s", people.role_change_s, atLeast(0.0));
+  visit("least_cooperation", people.least_cooperation, between(0.0, 1.0));
+  visit("clear_of_vehicles_m", people.clear_of_vehicles_m, atLeast(0.0));
+  visit("body_radius_m", people.body_radius_m, above(0.0));
+  visit("leg_radius_m", people.leg_radius_m, above(0.0));
+  visit("height_m", people.height_m, above(0.0));
+  visit("recording", people.recording);
 }
 
 template <class Visitor>
@@ -346,6 +396,7 @@ void describe(Visitor& visit, Experiment& experiment) {
   visit("safety", experiment.safety);
   visit("fleet", experiment.fleet);
   visit("sim", experiment.sim);
+  visit("pedestrians", experiment.pedestrians);
   visit("mocap", experiment.mocap);
   visit("perception", experiment.perception);
   visit("glyphs", experiment.glyphs);

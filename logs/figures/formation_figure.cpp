@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "common/plot/palette.h"
 #include "common/plot/plan_view.h"
@@ -132,6 +133,58 @@ void addObstacles(PlotCommand& plot, const Flight& flight) {
   }
 }
 
+/// "x y" of each person's way in a time, an empty row between two people.
+std::vector<std::string> peopleRows(const Flight& flight, core::Utime begin, core::Utime end) {
+  std::map<std::int32_t, std::vector<std::string>> by_id;
+  for (const PeopleFrame& frame : flight.people) {
+    if (frame.utime >= begin && frame.utime <= end) {
+      for (const SeenPerson& person : frame.people) {
+        by_id[person.id].push_back(
+            fmt::format("{:.3f} {:.3f}", person.position_m.x(), person.position_m.y()));
+      }
+    }
+  }
+  std::vector<std::string> rows;
+  for (auto& [id, way] : by_id) {
+    rows.insert(rows.end(), way.begin(), way.end());
+    rows.emplace_back();
+  }
+  return rows;
+}
+
+/// "x y radius" of everybody every so often.
+std::vector<std::string> peopleCircles(const Flight& flight, core::Utime begin, core::Utime end,
+                                       double interval_s) {
+  std::vector<std::string> rows;
+  core::Utime next = begin;
+  for (const PeopleFrame& frame : flight.people) {
+    if (frame.utime < next || frame.utime > end) {
+      continue;
+    }
+    next = frame.utime + core::toUtime(interval_s);
+    for (const SeenPerson& person : frame.people) {
+      rows.push_back(fmt::format("{:.3f} {:.3f} {:.3f}", person.position_m.x(),
+                                 person.position_m.y(), person.radius_m));
+    }
+  }
+  return rows;
+}
+
+/// Times of frames [begin, end).
+void addPeople(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end,
+               double interval_s) {
+  if (flight.people.empty()) {
+    return;
+  }
+  const core::Utime from = flight.frames[begin].utime;
+  const core::Utime to = flight.frames[end - 1].utime;
+  if (interval_s > 0.0) {
+    plot.add(peopleCircles(flight, from, to, interval_s),
+             "with circles fc rgb \"#d8b98a55\" fs solid border lc rgb \"#b08968\" notitle");
+  }
+  plot.add(peopleRows(flight, from, to), "with lines lw 1.0 lc rgb \"#b08968\" notitle");
+}
+
 void addPaths(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end,
               double step_m) {
   for (std::size_t i = 0; i < flight.vehicles.size(); ++i) {
@@ -242,6 +295,7 @@ void drawFormation(GnuplotScript& script, const Flight& flight, const FormationM
 
   PlotCommand plot(script);
   addObstacles(plot, flight);
+  addPeople(plot, flight, begin, end, interval_s);
   plot.add(circleRows(flight, begin, end, formed_at_s, interval_s),
            "with circles lc rgb variable fs solid border lc rgb \"#60ffffff\"");
   addPaths(plot, flight, begin, end, kPathStepM);
@@ -272,6 +326,7 @@ void drawOverview(GnuplotScript& script, const Flight& flight, const Metrics& me
       addStar(plot, leg.goal_world_m, {190, 190, 190});
     }
   }
+  addPeople(plot, flight, 0, end, 0.0);
   addPaths(plot, flight, 0, end, kOverviewPathStepM);
   addInterventions(plot, flight, 0, end, kOverviewPathStepM);
   addStarts(plot, flight, 0, end);

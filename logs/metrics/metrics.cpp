@@ -8,6 +8,7 @@
 #include "logs/metrics/faults.h"
 #include "logs/metrics/formations.h"
 #include "logs/metrics/obstacles.h"
+#include "logs/metrics/people.h"
 #include "logs/metrics/separation.h"
 #include "logs/metrics/timing.h"
 #include "logs/metrics/vehicles.h"
@@ -40,6 +41,10 @@ std::vector<std::string> failuresOf(const Flight& flight, const Metrics& metrics
     failures.push_back(
         fmt::format("the body of {} touched obstacle {} at {:.1f} s (overlap {:.2f} m)",
                     touch.vehicle_a, touch.vehicle_b, touch.at_s, -touch.gap_m));
+  }
+  for (const ClosestGap& touch : metrics.people.touches) {
+    failures.push_back(fmt::format("the bodies of {} and {} touched at {:.1f} s", touch.vehicle_a,
+                                   touch.vehicle_b, touch.at_s));
   }
   for (const auto* stretches : {&metrics.separation.unseen, &metrics.obstacles.unseen}) {
     for (const Unseen& unseen : *stretches) {
@@ -84,6 +89,7 @@ Metrics computeMetrics(const Flight& flight) {
   metrics.timing = timingOf(flight);
   metrics.separation = separationOf(flight);
   metrics.obstacles = obstaclesOf(flight);
+  metrics.people = peopleOf(flight);
   metrics.phases = phasesOf(flight);
   metrics.formations =
       formationsOf(flight, metrics.phases, gapsOverTime(flight), metrics.separation);

@@ -69,6 +69,13 @@ struct ObstacleMetrics {
   std::vector<Unseen> unseen;       ///< when nobody can tell whether a body touched one
 };
 
+/// Vehicles that move and the people of the simulator; vehicle_b is "pedestrian <id>".
+struct PeopleMetrics {
+  int people = 0;  ///< that were there at some time
+  ClosestGap closest;
+  std::vector<ClosestGap> touches;  ///< when each began
+};
+
 /// One vehicle's way to its place in a formation.
 struct LegMetrics {
   std::string vehicle;
@@ -186,6 +193,7 @@ struct Metrics {
   TimingMetrics timing;
   SeparationMetrics separation;
   ObstacleMetrics obstacles;
+  PeopleMetrics people;
   std::vector<FormationMetrics> formations;
   std::vector<VehicleMetrics> vehicles;
   std::vector<PhaseMetrics> phases;

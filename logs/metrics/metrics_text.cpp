@@ -128,7 +128,8 @@ std::string faultText(const Flight& flight, const Metrics& metrics) {
 
 std::string headline(const Metrics& metrics) {
   const std::size_t flown = metrics.formations.size();
-  const std::size_t touches = metrics.separation.touches.size() + metrics.obstacles.touches.size();
+  const std::size_t touches = metrics.separation.touches.size() + metrics.obstacles.touches.size() +
+                              metrics.people.touches.size();
   const std::string formed =
       flown == 0 ? "no formation flown"
                  : fmt::format("{} of {} formations formed", metrics.formationsFormed(), flown);
@@ -162,6 +163,10 @@ std::string toText(const Flight& flight, const Metrics& metrics) {
   text += fmt::format("closest assumed      {}\n", describe(separation.assumed_gap));
   if (std::isfinite(metrics.obstacles.closest.gap_m)) {
     text += fmt::format("closest obstacle     {}\n", describe(metrics.obstacles.closest));
+  }
+  if (metrics.people.people > 0) {
+    text += fmt::format("closest person       {} of {}\n", describe(metrics.people.closest),
+                        metrics.people.people);
   }
   text += fmt::format("closer than assumed  {} times, {:.1f} s in total\n",
                       separation.approaches.size(), separation.approaching_time_s);

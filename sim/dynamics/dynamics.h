@@ -35,6 +35,12 @@ struct Setpoint {
   double heading_rate_radps = 0.0;  ///< feed-forward
 };
 
+/// Of the rims of a robot's wheels on the floor. m/s.
+struct WheelSpeeds {
+  double left_mps = 0.0;
+  double right_mps = 0.0;
+};
+
 /// A vehicle with its inner controllers, at rest with its motors off when made. Deterministic;
 /// step() allocates nothing.
 class Dynamics {
@@ -52,6 +58,9 @@ class Dynamics {
 
   /// From the arrival of a command to its first effect.
   virtual double commandDelayS() const = 0;
+
+  /// What its wheel encoders count; zero for models without wheels.
+  virtual WheelSpeeds wheels() const { return {}; }
 };
 
 }  // namespace roundabout::sim

@@ -1,6 +1,7 @@
 #include "sim/dynamics/table.h"
 
 #include "common/core/error.h"
+#include "sim/dynamics/ground_robot/ground_robot.h"
 #include "sim/dynamics/multirotor/multirotor.h"
 #include "sim/dynamics/unicycle/unicycle.h"
 
@@ -11,6 +12,7 @@ namespace {
 constexpr DynamicsEntry kTable[] = {
     {"unicycle", &Unicycle::make},
     {"multirotor", &Multirotor::make},
+    {"ground_robot", &GroundRobot::make},
 };
 
 }  // namespace

@@ -1,12 +1,14 @@
 #include "sim/sensors/laser_scanners.h"
 
 #include "common/config/obstacles.h"
+#include "common/core/angles.h"
 #include "common/core/vehicle_state.h"
 
 namespace roundabout::sim {
 
 LaserScanners::LaserScanners(const config::Experiment& experiment)
-    : obstacles_(config::outlinesOf(experiment.obstacles)),
+    : leg_radius_m_(experiment.pedestrians.leg_radius_m),
+      obstacles_(config::outlinesOf(experiment.obstacles)),
       room_(experiment.room.min_m.head<2>(), experiment.room.max_m.head<2>()) {
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     const config::Vehicle& vehicle = experiment.vehicles[i];
@@ -18,8 +20,23 @@ LaserScanners::LaserScanners(const config::Experiment& experiment)
   }
 }
 
+/// How it moved since the sweep before, or not at all at the first.
+SensorMotion LaserScanners::motionOf(Scanner& scanner, core::Utime now, const BodyState& own) {
+  const double heading_rad = core::headingOf(own.orientation);
+  SensorMotion motion;
+  if (scanner.last_sweep > 0) {
+    motion.velocity_mps = own.velocity_world_mps.head<2>();
+    motion.turn_rate_radps = core::wrapToPi(heading_rad - scanner.last_heading_rad) /
+                             core::toSeconds(now - scanner.last_sweep);
+  }
+  scanner.last_heading_rad = heading_rad;
+  scanner.last_sweep = now;
+  return motion;
+}
+
 std::span<const LaserScanners::Sweep> LaserScanners::sweep(core::Utime now,
-                                                           std::span<const BodyState> bodies) {
+                                                           std::span<const BodyState> bodies,
+                                                           std::span<const Pedestrian> people) {
   sweeps_.clear();
   for (Scanner& scanner : scanners_) {
     if (!scanner.timer.due(now)) {
@@ -31,11 +48,17 @@ std::span<const LaserScanners::Sweep> LaserScanners::sweep(core::Utime now,
         discs_.push_back({bodies[i].position_world_m.head<2>(), radii_m_[i]});
       }
     }
+    for (const Pedestrian& person : people) {
+      for (const Eigen::Vector2d& leg : legsOf(person)) {
+        discs_.push_back({leg, leg_radius_m_});
+      }
+    }
     const BodyState& own = bodies[scanner.vehicle];
     const bool walls = scanner.lidar.settings().sees_room_walls;
     const core::RangeScan seen =
         scanner.lidar.sweep(own.position_world_m.head<2>(), core::headingOf(own.orientation),
-                            {discs_, obstacles_, walls ? &room_ : nullptr}, &scanner.noise);
+                            {discs_, obstacles_, walls ? &room_ : nullptr}, &scanner.noise,
+                            motionOf(scanner, now, own));
     sweeps_.push_back({scanner.vehicle,
                        {now,
                         seen.first_angle_rad,

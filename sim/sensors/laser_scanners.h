@@ -10,13 +10,14 @@
 #include "common/core/random.h"
 #include "common/core/tick_timer.h"
 #include "sim/dynamics/dynamics.h"
+#include "sim/pedestrians/pedestrian.h"
 #include "sim/sensors/lidar.h"
 
 namespace roundabout::sim {
 
 /// The lidars of an experiment's vehicles. They see the bodies of the other vehicles, which are
-/// upright cylinders without end as everywhere in Roundabout, the obstacles and, if the experiment
-/// says so, the edges of the room as walls.
+/// upright cylinders without end as everywhere in Roundabout, the legs of pedestrians, the
+/// obstacles and, if the experiment says so, the edges of the room as walls.
 class LaserScanners {
  public:
   struct Sweep {
@@ -28,7 +29,8 @@ class LaserScanners {
 
   /// The sweeps that are due: each lidar's at the first call at or after each multiple of its
   /// period. Valid until the next call. bodies: in the order of the experiment.
-  std::span<const Sweep> sweep(core::Utime now, std::span<const BodyState> bodies);
+  std::span<const Sweep> sweep(core::Utime now, std::span<const BodyState> bodies,
+                               std::span<const Pedestrian> people = {});
 
  private:
   struct Scanner {
@@ -36,8 +38,13 @@ class LaserScanners {
     Lidar lidar;
     core::TickTimer timer;
     core::RandomStream noise;
+    double last_heading_rad = 0.0;
+    core::Utime last_sweep = 0;
   };
 
+  static SensorMotion motionOf(Scanner& scanner, core::Utime now, const BodyState& own);
+
+  double leg_radius_m_;
   std::vector<double> radii_m_;
   std::vector<core::Polygon> obstacles_;
   Eigen::AlignedBox2d room_;

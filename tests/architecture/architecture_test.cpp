@@ -97,7 +97,10 @@ TEST(Architecture, ModulesDoNotKnowEachOther) {
   expectNone("learning", R"(^(mocap_bridge|fleet|logs|cli)/)");
   // The one exception of DESIGN section 3: the simulator publishes through the bridge's
   // StatePublisher.
-  expectNone("sim", R"(^(planner|fleet|learning|logs|cli)/|^mocap_bridge/(?!state_publisher))");
+  expectNone("sim", R"(^(planner|fleet|learning|logs|cli)/|^mocap_bridge/(?!state_publisher))",
+             R"(^sim/pedestrians/policy_steering\.cpp$)");
+  // And pedestrians walk by any policy of the table.
+  expectNone("sim/pedestrians", R"(^planner/(?!policies/table\.h))");
 }
 
 TEST(Architecture, VisionAndLearningLibrariesStayOutside) {

@@ -168,7 +168,8 @@ TEST(DynamicsTable, RefusesAnUnknownModelAndNamesTheKnownOnes) {
     FAIL() << "made a submarine";
   } catch (const core::StartupError& error) {
     EXPECT_STREQ(error.what(),
-                 "demo.yaml: vehicles.hex1.model: expected unicycle or multirotor, found "
+                 "demo.yaml: vehicles.hex1.model: expected unicycle or multirotor or ground_robot, "
+                 "found "
                  "\"submarine\"");
   }
 }

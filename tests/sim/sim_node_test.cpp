@@ -295,6 +295,63 @@ TEST(LaserScannersTest, SeeObstaclesAndWallsAsTheExperimentSays) {
   EXPECT_FLOAT_EQ(ranges()[0], 10.0F);
 }
 
+TEST(SimNodeRobot, PublishesWhatItsDriversWouldAndTheTruthOfPeople) {
+  config::Experiment experiment = twoVehicles();
+  experiment.vehicles.resize(1);
+  config::Vehicle& robot = experiment.vehicles[0];
+  robot.model = "ground_robot";
+  robot.localised_by = "odometry";
+  robot.start = config::Start{{-5.0, 0.0}, 0.0};
+  robot.cameras = {config::Camera{}};
+  experiment.pedestrians.count = 3;
+  const auto network = std::make_shared<bus::MemoryNetwork>();
+  bus::MemoryBus sim(network);
+  bus::MemoryBus lab(network);
+  SimNode node(experiment, sim, kBegin);
+  const auto fail = [](const bus::DecodeError& error) { ADD_FAILURE() << error.reason; };
+  int images = 0;
+  int odometries = 0;
+  int truths = 0;
+  bus::subscribe<roundabout_msgs::image_t>(
+      lab, bus::imageChannel(robot.name, "front"),
+      [&](const roundabout_msgs::image_t& message) {
+        core::JpegImage image;
+        EXPECT_EQ(bus::fromMessage(message, image), nullptr);
+        EXPECT_LT(image.jpeg.size(), bus::kMostImageBytes);
+        ++images;
+      },
+      fail);
+  bus::subscribe<roundabout_msgs::odometry_t>(
+      lab, bus::odometryChannel(robot.name),
+      [&](const roundabout_msgs::odometry_t& message) {
+        EXPECT_EQ(message.vehicle, robot.name);
+        ++odometries;
+      },
+      fail);
+  bus::subscribe<roundabout_msgs::agent_tracks_t>(
+      lab, bus::kPedestrianTruthChannel,
+      [&](const roundabout_msgs::agent_tracks_t& message) {
+        core::AgentTracks truth;
+        int left_out = 0;
+        EXPECT_EQ(bus::fromMessage(message, truth, left_out), nullptr);
+        EXPECT_EQ(left_out, 0);
+        ASSERT_EQ(truth.tracks.size(), 4U);
+        EXPECT_EQ(truth.tracks[0].agent_class, core::AgentClass::kPedestrian);
+        EXPECT_EQ(truth.tracks[3].id, -1);
+        EXPECT_EQ(truth.tracks[3].agent_class, core::AgentClass::kVehicle);
+        ++truths;
+      },
+      fail);
+  for (int k = 0; k < 201; ++k) {  // a second and the first frame
+    node.advance();
+    node.publishFrame();
+    lab.handle(std::chrono::milliseconds(0));
+  }
+  EXPECT_EQ(images, 6);
+  EXPECT_EQ(odometries, 51);
+  EXPECT_EQ(truths, 21);
+}
+
 TEST(RunSim, RefusesAnExperimentWithAnotherSourceOfStates) {
   config::Experiment experiment = twoVehicles();
   experiment.source = "vicon";

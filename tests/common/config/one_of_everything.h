@@ -19,7 +19,6 @@ inline Experiment oneOfEverything() {
 
   Vehicle first;
   first.name = "hex_1";
-  first.model = "unicycle";
   first.assumed_radius_m = 0.45;
   first.body_radius_m = 0.1 + 0.2;  // has no short decimal form
   first.preferred_speed_mps = 1.1;
@@ -30,12 +29,16 @@ inline Experiment oneOfEverything() {
   first.start = Start{{-1.5, 2.5}, -0.75};
   first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true, 0.02, 0.5, 0.025};
   first.cameras = {{"left", 640, 480, 1.4, 0.75, 0.3, 10.0}};
+  first.model = "ground_robot";
+  first.localised_by = "odometry";
   Vehicle second = first;
   second.name = "2";
   second.height_m = 1.75;
   second.start.reset();
   second.lidar.reset();
   second.cameras.clear();
+  second.model = "unicycle";
+  second.localised_by = "mocap";
   e.vehicles = {first, second};
 
   e.planner.policy = "ga3c_cadrl:/weights/net.safetensors";
@@ -45,6 +48,8 @@ inline Experiment oneOfEverything() {
   e.planner.command_valid_s = 0.4;
   e.planner.heading_gain_per_s = 1.5;
   e.planner.watch_wall_clock = false;
+  e.planner.others = "both";
+  e.planner.standing_speed_mps = 0.15;
   e.planner.orca = {4.0, 1.5, 1.2, 0.5, 0.05, 7, 0.1};
 
   e.shield.on = false;
@@ -58,7 +63,7 @@ inline Experiment oneOfEverything() {
   e.shield.unicycle = {0.12, 0.25, 0.1, 2.0, 1.1, 0.9};
   e.shield.ground_robot = {0.2, 0.3, 0.05, 1.75, 1.3, 0.6};
 
-  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.2, 12, 0.75, 0.25, 0.2};
+  e.safety = {0.2, 0.6, 0.25, 0.75, 1.5, 2.5, 0.35, 0.2, 12, 0.75, 0.25, 0.2};
 
   e.fleet.rate_hz = 4.0;
   e.fleet.assignment = "in_order";
@@ -80,11 +85,25 @@ inline Experiment oneOfEverything() {
   e.sim.start_area = {{-3.0, -2.0}, {3.0, 2.0}};
   e.sim.unicycle.max_turn_rate_radps = 2.5;
   e.sim.multirotor = {0.2, 0.3, 2.0, 20.0, 2.5, 1.0, 0.8, 0.6, 0.4, 1.5, 2.0, 0.2, 0.04};
+  e.sim.ground_robot = {0.5, 1.5, 2.0, 0.1, 1.5, 3.0, 1.1, 0.6, 0.03, {40.0, 0.002, 0.003}};
   e.sim.mocap = {100.0, 0.001, 0.004, 0.01, 0.03, {0.5, 0.2}};
   e.sim.command_hold_s = 0.35;
   e.sim.command_land_s = 1.5;
   e.sim.pushes = {{"hex_1", 3.0, 0.75, {1.0, -2.0}}};
 
+  e.pedestrians.count = 6;
+  e.pedestrians.policy = "orca";
+  e.pedestrians.area = {{-2.0, -1.5}, {2.5, 1.0}};
+  e.pedestrians.preferred_speed_mps = 0.9;
+  e.pedestrians.speed_deviation_mps = 0.1;
+  e.pedestrians.standing_share = 0.5;
+  e.pedestrians.role_change_s = 6.0;
+  e.pedestrians.least_cooperation = 0.25;
+  e.pedestrians.clear_of_vehicles_m = 1.25;
+  e.pedestrians.body_radius_m = 0.3;
+  e.pedestrians.leg_radius_m = 0.07;
+  e.pedestrians.height_m = 1.8;
+  e.pedestrians.recording = {"/data/obsmat.txt", 30.0, 25.0};
   e.perception = {"dynamic_means", 0.01,   8.0, 1.1,  0.35, 0.2, 0.7, 0.4, 3.0, 0.1, 5.0, 0.5,
                   "m.bt",          "none", 0.6, 0.25, 0.4};
 

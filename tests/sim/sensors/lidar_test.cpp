@@ -190,11 +190,77 @@ TEST(Lidar, NoiseIsRepeatableAndTouchesOnlyWhatIsHit) {
   EXPECT_NEAR(std::sqrt(sum_of_squares / hits), 0.05, 0.01);
 }
 
+TEST(Lidar, MissesTheShareThatItIsToldTo) {
+  config::Lidar settings;
+  settings.beams = 1001;
+  settings.missed_share = 0.2;
+  Lidar lidar(settings);
+  const Eigen::AlignedBox2d room(Vector2d(-3.0, -3.0), Vector2d(3.0, 3.0));
+  core::RandomStream noise(1, "lidar");
+  int missed = 0;
+  constexpr int kSweeps = 50;
+  for (int i = 0; i < kSweeps; ++i) {
+    const core::RangeScan scan = lidar.sweep({0.0, 0.0}, 0.0, {{}, {}, &room}, &noise);
+    missed += static_cast<int>(std::count(scan.ranges_m.begin(), scan.ranges_m.end(), 6.0F));
+  }
+  EXPECT_NEAR(missed / (kSweeps * 1001.0), 0.2, 0.01);
+}
+
+TEST(Lidar, MixesPixelsAtEdgesOnlyAndBetweenTheirTwoSides) {
+  config::Lidar settings;
+  settings.mixed_share = 1.0;
+  Lidar lidar(settings);
+  const std::vector<Disc> discs = {{{1.5, 0.0}, 0.2}};
+  const Eigen::AlignedBox2d room(Vector2d(-3.0, -3.0), Vector2d(3.0, 3.0));
+  const Surfaces surfaces{discs, {}, &room};
+  const auto exact_scan = lidar.sweep({0.0, 0.0}, 0.0, surfaces);
+  const std::vector<float> exact(exact_scan.ranges_m.begin(), exact_scan.ranges_m.end());
+  core::RandomStream noise(1, "lidar");
+  const auto mixed = lidar.sweep({0.0, 0.0}, 0.0, surfaces, &noise).ranges_m;
+  int changed = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (mixed[i] != exact[i]) {
+      ++changed;
+      EXPECT_GT(mixed[i], 1.3F - 1e-3F);
+      EXPECT_LT(mixed[i], 3.0F * 1.4143F);
+    }
+  }
+  EXPECT_EQ(changed, 2) << "the two edges of the disc";
+}
+
+// What a beam saw, put back to where it left from, is on the surface: an oracle for the motion.
+TEST(Lidar, BeamsOfASweepLeaveFromWhereTheSensorWasAtTheirTime) {
+  config::Lidar settings;
+  settings.beams = 361;
+  settings.sweep_s = 0.1;
+  settings.max_range_m = 30.0;
+  Lidar lidar(settings);
+  const Eigen::AlignedBox2d room(Vector2d(-4.0, -5.0), Vector2d(6.0, 3.0));
+  const SensorMotion motion{{1.5, -0.5}, 2.0};
+  const Vector2d end(0.5, 0.25);
+  constexpr double kHeading = 0.4;
+  const core::RangeScan scan = lidar.sweep(end, kHeading, {{}, {}, &room}, nullptr, motion);
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double before_s = settings.sweep_s * (1.0 - static_cast<double>(i) / 360.0);
+    const Vector2d from = end - before_s * motion.velocity_mps;
+    const double angle_rad = kHeading - before_s * motion.turn_rate_radps + scan.first_angle_rad +
+                             static_cast<double>(i) * scan.angle_step_rad;
+    const Vector2d hit =
+        from + double{scan.ranges_m[i]} * Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+    EXPECT_NEAR(room.exteriorDistance(hit), 0.0, 1e-5);
+    const double inside_m = std::min((hit - room.min()).minCoeff(), (room.max() - hit).minCoeff());
+    EXPECT_NEAR(inside_m, 0.0, 1e-5) << i;
+  }
+}
+
 TEST(Lidar, AllocatesNothingAfterItIsMade) {
   core::RandomStream random(3, "lidar");
   const Scene scene = randomScene(random);
   config::Lidar settings;
   settings.noise_m = 0.01;
+  settings.missed_share = 0.01;
+  settings.mixed_share = 0.5;
+  settings.sweep_s = 0.02;
   Lidar lidar(settings);
   const std::size_t before = test::allocationCount();
   lidar.sweep({0.1, 0.2}, 0.3, scene.surfaces(), &random);

@@ -1,0 +1,174 @@
+#include "learning/evaluation/crossing/crossing_command.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/config/experiment_file.h"
+#include "common/core/error.h"
+#include "learning/evaluation/crossing/crossing.h"
+#include "learning/training/workers.h"
+#include "planner/policies/table.h"
+#include "sim/pedestrians/policy_steering.h"
+#include "sim/pedestrians/recording.h"
+
+namespace roundabout::learning {
+
+namespace {
+
+struct Options {
+  std::string file;
+  int runs = 100;
+  std::vector<std::string> policies;
+  std::string shield = "both";
+  std::string eyes = "perception";
+  std::vector<std::string> overrides;
+  std::string csv;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+};
+
+struct Variant {
+  std::string policy;
+  bool shield;
+};
+
+/// Run k of a variant: seed k, or with a recording the k-th of start times spread over it.
+config::Experiment experimentOf(const Options& options, const Variant& variant, int run) {
+  std::vector<std::string> overrides = options.overrides;
+  overrides.push_back("planner.policy=" + variant.policy);
+  overrides.push_back(fmt::format("shield.on={}", variant.shield));
+  overrides.push_back(fmt::format("seed={}", run + 1));
+  config::Experiment experiment = config::readExperiment(options.file, overrides);
+  config::Recording& recording = experiment.pedestrians.recording;
+  if (!recording.file.empty()) {
+    const double all_s = sim::RecordedPeople(recording, experiment.file).durationS();
+    const double last_s = std::max(0.0, all_s - experiment.fleet.step_timeout_s);
+    recording.start_s = last_s * run / std::max(1, options.runs - 1);
+  }
+  return experiment;
+}
+
+CrossingCast castOf(const Options& options, const config::Experiment& experiment) {
+  planner::PolicyOptions policy;
+  policy.orca = experiment.planner.orca;
+  policy.where = experiment.file;
+  policy.with_value = false;
+  return {options.eyes == "truth" ? trueEyes : perceptionEyes,
+          [specification = experiment.planner.policy, policy] {
+            return planner::makePolicy(specification, policy);
+          },
+          sim::steeringFor(experiment)};
+}
+
+void writeRows(std::ofstream& csv, const Variant& variant,
+               const std::vector<CrossingResult>& results) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const CrossingResult& each = results[i];
+    csv << fmt::format("{},{},{},{},{:.2f},{:.2f},{:.3f},{},{},{},{},{},{}\n", variant.policy,
+                       variant.shield ? "on" : "off", i + 1, each.reached ? 1 : 0, each.time_s,
+                       each.extra_time_s, each.closest_m, each.collisions_by_robot,
+                       each.collisions_by_person, each.collisions_with_things, each.ticks,
+                       each.ticks_blind, each.ticks_shielded);
+  }
+  csv.flush();
+}
+
+void printHead() {
+  fmt::print("{:<24} {:<6} {:>5} {:>8} {:>9} {:>9} {:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8}\n",
+             "policy", "shield", "runs", "reached", "by robot", "by person", "things", "closest",
+             "median", "extra s", "p90 s", "blind", "shielded");
+}
+
+void print(const Variant& variant, const CrossingSummary& summary) {
+  const std::string name =
+      std::filesystem::path(variant.policy.substr(variant.policy.find(':') + 1))
+          .filename()
+          .string();
+  fmt::print(
+      "{:<24} {:<6} {:>5} {:>8} {:>9} {:>9} {:>7} {:>8.3f} {:>8.3f} {:>8.2f} {:>8.2f} "
+      "{:>5.1f}% {:>7.1f}%\n",
+      name, variant.shield ? "on" : "off", summary.runs, summary.reached, summary.runs_hit_by_robot,
+      summary.runs_hit_by_person, summary.runs_hit_things, summary.closest_m,
+      summary.median_closest_m, summary.mean_extra_s, summary.p90_extra_s,
+      100.0 * summary.blind_share, 100.0 * summary.shielded_share);
+}
+
+std::vector<Variant> variantsOf(const Options& options) {
+  std::vector<std::string> policies = options.policies;
+  if (policies.empty()) {
+    policies.push_back(config::readExperiment(options.file, options.overrides).planner.policy);
+  }
+  std::vector<Variant> variants;
+  for (const std::string& policy : policies) {
+    for (const bool shield : {true, false}) {
+      if (options.shield == "both" || (options.shield == "on") == shield) {
+        variants.push_back({policy, shield});
+      }
+    }
+  }
+  return variants;
+}
+
+int cross(const Options& options) {
+  std::ofstream csv;
+  if (!options.csv.empty()) {
+    csv.open(options.csv);
+    if (!csv) {
+      throw core::StartupError("cross", "--csv", "a file that can be written", options.csv);
+    }
+    csv << "policy,shield,run,reached,time_s,extra_s,closest_m,by_robot,by_person,things,ticks,"
+           "blind,shielded\n";
+  }
+  Workers workers(options.threads);
+  fmt::print(
+      "{}: {} runs each, eyes: {}; columns by robot, by person, things: runs with a "
+      "collision\n",
+      options.file, options.runs, options.eyes);
+  printHead();
+  for (const Variant& variant : variantsOf(options)) {
+    std::vector<CrossingResult> results(static_cast<std::size_t>(options.runs));
+    workers.forEach(options.runs, [&](int run) {
+      const config::Experiment experiment = experimentOf(options, variant, run);
+      results[static_cast<std::size_t>(run)] = runCrossing(experiment, castOf(options, experiment));
+    });
+    print(variant, summarise(results));
+    std::fflush(stdout);
+    if (csv.is_open()) {
+      writeRows(csv, variant, results);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void addCrossCommand(CLI::App& app, int& exit_status) {
+  CLI::App* command = app.add_subcommand(
+      "cross", "Drive a robot through an experiment's pedestrians many times, without wires");
+  auto options = std::make_shared<Options>();
+  command->add_option("file", options->file, "Experiment file (YAML)")->required();
+  command
+      ->add_option("--runs", options->runs,
+                   "Seeds 1 to N; with recorded people, N start times spread over the recording")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--policy", options->policies,
+                      "NAME or NAME:WEIGHTS; repeatable (default: the experiment's)");
+  command->add_option("--shield", options->shield, "on, off or both")
+      ->check(CLI::IsMember({"on", "off", "both"}));
+  command
+      ->add_option("--eyes", options->eyes,
+                   "perception: tracks from the lidar; truth: everybody in range, exactly")
+      ->check(CLI::IsMember({"perception", "truth"}));
+  command->add_option("--set", options->overrides, "Overrides a key of the experiment; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_option("--csv", options->csv, "A line for every run");
+  command->add_option("--threads", options->threads)->check(CLI::PositiveNumber);
+  command->callback([options, &exit_status] { exit_status = cross(*options); });
+}
+
+}  // namespace roundabout::learning
