@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/core/polygon.h"
-#include "planner/linear_program/velocity_obstacle.h"
 
 namespace roundabout::planner::shield {
 
@@ -47,20 +46,21 @@ double farthestReach(const Motion& motion, const MotionBounds& assumed, double m
 
 }  // namespace
 
+bool overlapInHeight(const Ego& ego, const Neighbour& other, const ShieldParameters& parameters) {
+  return other.motion.lowest_m - ego.motion.highest_m <= parameters.height_separation_m &&
+         ego.motion.lowest_m - other.motion.highest_m <= parameters.height_separation_m;
+}
+
 void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbours,
                              const Statics& statics) {
   ego_ = &ego;
   lines_.clear();
   half_planes_.clear();
-  wishes_.clear();
   smallest_gap_m_ = std::numeric_limits<double>::infinity();
   predictOwn();
   for (const Neighbour& neighbour : neighbours) {
     if (mayMeet(neighbour)) {
       addNeighbour(neighbour);
-    }
-    if (!neighbour.shielded && !neighbour.parked && overlapInHeight(neighbour)) {
-      addUnshielded(neighbour);
     }
   }
   first_static_ = half_planes_.size();
@@ -96,15 +96,10 @@ void BrakeConstraints::predictOwn() {
   }
 }
 
-bool BrakeConstraints::overlapInHeight(const Neighbour& neighbour) const {
-  return neighbour.motion.lowest_m - ego_->motion.highest_m <= parameters_.height_separation_m &&
-         ego_->motion.lowest_m - neighbour.motion.highest_m <= parameters_.height_separation_m;
-}
-
 bool BrakeConstraints::mayMeet(const Neighbour& neighbour) const {
   const Motion& own = ego_->motion;
   const Motion& other = neighbour.motion;
-  if (!overlapInHeight(neighbour)) {
+  if (!overlapInHeight(*ego_, neighbour, parameters_)) {
     return false;
   }
   const double reach_m =
@@ -138,26 +133,6 @@ void BrakeConstraints::addNeighbour(const Neighbour& neighbour) {
   const double before_m = smallest_gap_m_;
   addBeside(others_, apart_m, trusted && !neighbour.parked ? 0.5 : 1.0);
   smallest_gap_m_ = std::min(before_m, smallest_gap_m_);
-}
-
-// It goes on as it does, and all of the change that keeps both apart is the ego's. Seen from when
-// the ego's answer begins to show.
-void BrakeConstraints::addUnshielded(const Neighbour& neighbour) {
-  const Motion& own = ego_->motion;
-  const Motion& other = neighbour.motion;
-  const double answer_s = ego_->bounds.delay_s + ego_->bounds.lag_s;
-  const Vector2d own_then = own.position_world_m + (own.age_s + answer_s) * own.velocity_world_mps;
-  const Vector2d other_then =
-      other.position_world_m + (other.age_s + answer_s) * other.velocity_world_mps;
-  const double apart_m =
-      ego_->radius_m + neighbour.radius_m + parameters_.margin_m + parameters_.unshielded_margin_m;
-  const std::optional<Escape> escape =
-      escapeFrom(other_then - own_then, own.velocity_world_mps - other.velocity_world_mps, apart_m,
-                 parameters_.unshielded_horizon_s, parameters_.unshielded_prediction_s);
-  if (escape) {
-    wishes_.push_back(
-        {escape->normal, escape->normal.dot(own.velocity_world_mps) + escape->depth_mps});
-  }
 }
 
 void BrakeConstraints::addBeside(Points points, double apart_m, double share) {
@@ -234,11 +209,6 @@ bool BrakeConstraints::rollsOut(const Vector2d& velocity_mps) const {
   });
 }
 
-bool BrakeConstraints::granted(const Vector2d& velocity_mps) const {
-  return std::all_of(wishes_.begin(), wishes_.end(),
-                     [&](const HalfPlane& each) { return each.margin(velocity_mps) >= -1e-9; });
-}
-
 bool BrakeConstraints::keeps(const Vector2d& velocity_mps) const {
   return std::all_of(half_planes_.begin(), half_planes_.end(),
                      [&](const HalfPlane& each) { return each.margin(velocity_mps) >= -1e-9; }) &&
@@ -271,15 +241,12 @@ Vector2d BrakeConstraints::slowed(const Vector2d& wanted_mps) const {
 }
 
 Vector2d BrakeConstraints::nearest(const Vector2d& wanted_mps, bool keeps_heading) {
-  if (keeps(wanted_mps) && granted(wanted_mps)) {
+  if (keeps(wanted_mps)) {
     return wanted_mps;
   }
   Vector2d chosen = slowed(wanted_mps);
-  if (!keeps_heading || !keeps(chosen) || !granted(chosen)) {
-    all_.assign(half_planes_.begin(), half_planes_.end());
-    all_.insert(all_.end(), wishes_.begin(), wishes_.end());
-    chosen =
-        program_.solve(all_, wanted_mps, ego_->max_speed_mps, half_planes_.size()).velocity_mps;
+  if (!keeps_heading || !keeps(chosen)) {
+    chosen = program_.solve(half_planes_, wanted_mps, ego_->max_speed_mps).velocity_mps;
   }
   if (rollsOut(chosen)) {
     return chosen;

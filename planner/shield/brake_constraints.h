@@ -11,6 +11,9 @@
 
 namespace roundabout::planner::shield {
 
+/// They are not so far apart vertically that they pass each other.
+bool overlapInHeight(const Ego& ego, const Neighbour& other, const ShieldParameters& parameters);
+
 /// The hard layer: what a command must keep so that the brake path of the ego meets nobody else's,
 /// no wall and no obstacle. docs/shield.md, "The invariant".
 class BrakeConstraints {
@@ -51,13 +54,10 @@ class BrakeConstraints {
   void predictOwn();
   void addNeighbour(const Neighbour& neighbour);
   void addObstacle(const core::Polygon& obstacle);
-  void addUnshielded(const Neighbour& neighbour);
   void addWall(const Wall& wall);
   void addBeside(Points points, double apart_m, double share);
   void add(const Eigen::Vector2d& normal, double usable_m, double share);
-  bool overlapInHeight(const Neighbour& neighbour) const;
   bool mayMeet(const Neighbour& neighbour) const;
-  bool granted(const Eigen::Vector2d& velocity_mps) const;
   double fastest(const Response& response, const Line& line) const;
   bool rollsOut(const Eigen::Vector2d& velocity_mps) const;
   Eigen::Vector2d slowed(const Eigen::Vector2d& wanted_mps) const;
@@ -73,8 +73,6 @@ class BrakeConstraints {
   std::vector<Line> lines_;
   std::vector<HalfPlane> half_planes_;
   std::size_t first_static_ = 0;
-  std::vector<HalfPlane> wishes_;  // given up where they cannot be kept: of the unshielded
-  std::vector<HalfPlane> all_;     // for one call
   double smallest_gap_m_ = std::numeric_limits<double>::infinity();
   LinearProgram program_;
 };

@@ -17,7 +17,7 @@ struct ShieldParameters {
   // The whole gap, and more, for vehicles that are not shielded or not tracked.
   double unshielded_margin_m = 0.1;
   double unshielded_prediction_s = 0.45;
-  double unshielded_horizon_s = 2.5;
+  double unshielded_horizon_s = 3.5;
 
   double look_ahead_s = 1.0;  ///< 0: none
   double look_ahead_gap_m = 0.05;

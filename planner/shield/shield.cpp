@@ -4,6 +4,7 @@
 
 #include "planner/shield/brake_constraints.h"
 #include "planner/shield/breaker.h"
+#include "planner/shield/evasion.h"
 #include "planner/shield/look_ahead.h"
 #include "planner/shield/step_aside.h"
 
@@ -17,6 +18,7 @@ class Shield::Impl {
       : parameters_(parameters),
         constraints_(parameters_),
         look_ahead_(parameters_),
+        evasion_(parameters_),
         breaker_(parameters_) {}
 
   ShieldDecision decide(const Ego& ego, std::span<const Neighbour> neighbours,
@@ -26,8 +28,12 @@ class Shield::Impl {
     ShieldDecision decision;
     decision.wanted_world_mps = wanted_mps;
     decision.predicted_gap_m = constraints_.smallestGapM();
-    const Vector2d meant = ego.parked ? park(ego, neighbours, wanted_mps, decision)
-                                      : fly(ego, statics, wanted_mps, now_s, decision);
+    Vector2d meant = ego.parked ? park(ego, neighbours, wanted_mps, decision)
+                                : fly(ego, statics, wanted_mps, now_s, decision);
+    if (const auto away = evasion_.instead(ego, neighbours, constraints_, meant)) {
+      meant = *away;
+      decision.layer = decision.layer == Layer::kNone ? Layer::kLookAhead : decision.layer;
+    }
     decision.velocity_world_mps =
         constraints_.nearest(meant, parameters_.keeps_heading && decision.layer == Layer::kNone);
     if (decision.velocity_world_mps != meant && decision.layer == Layer::kNone) {
@@ -36,7 +42,10 @@ class Shield::Impl {
     return decision;
   }
 
-  void reset() { breaker_.reset(); }
+  void reset() {
+    evasion_.reset();
+    breaker_.reset();
+  }
 
   const ShieldParameters& parameters() const { return parameters_; }
 
@@ -80,6 +89,7 @@ class Shield::Impl {
   const ShieldParameters parameters_;
   BrakeConstraints constraints_;
   LookAhead look_ahead_;
+  Evasion evasion_;
   Breaker breaker_;
   Scene scene_;
 };

@@ -88,6 +88,38 @@ TEST(Shield, KeepsFartherFromWhoIsNotShieldedAndFliesAtIt) {
   EXPECT_LT(allowed(other), trusted - 0.1);
 }
 
+TEST(Shield, GetsOutOfTheWayOfWhoIsNotShielded) {
+  Shield shield(ShieldParameters::lab());
+  Neighbour other = neighbourAt(-2.0, 0.1);
+  other.motion.velocity_world_mps = {1.0, 0.0};
+  Ego ego = egoAt(0, 0);
+  ego.parked = true;
+  const auto flown = [&] {
+    const std::vector<Neighbour> others{other};
+    return shield.decide(ego, others, {}, {0.0, 0.0}, 0.0);
+  };
+  EXPECT_EQ(flown().velocity_world_mps, Vector2d(0.0, 0.0));
+  other.shielded = false;
+  EXPECT_LT(flown().velocity_world_mps.y(), -0.2) << "off its line, to the nearer side";
+  EXPECT_EQ(flown().layer, Layer::kLookAhead);
+  other.motion.velocity_world_mps = {-1.0, 0.0};
+  EXPECT_EQ(flown().layer, Layer::kNone);
+}
+
+TEST(Shield, SeesWhereAnUnshieldedVehicleSpeedsUpTo) {
+  Shield shield(ShieldParameters::lab());
+  Neighbour other = neighbourAt(-1.2, 0.1);
+  other.shielded = false;
+  other.motion.velocity_world_mps = {0.1, 0.0};
+  const auto speedAgainst = [&](const Vector2d& acceleration) {
+    other.motion.drives.front().acceleration_mps2 = acceleration;
+    const std::vector<Neighbour> others{other};
+    return shield.decide(egoAt(0, 0), others, {}, {0.0, 0.0}, 0.0).velocity_world_mps.norm();
+  };
+  EXPECT_EQ(speedAgainst({0.0, 0.0}), 0.0);
+  EXPECT_GT(speedAgainst({2.0, 0.0}), 0.3);
+}
+
 TEST(Shield, VehiclesAtOtherHeightsPass) {
   Neighbour other = neighbourAt(0.7, 0.0);
   other.motion.lowest_m = 1.0;
