@@ -46,7 +46,7 @@ TEST_F(MapOfARoom, HasItsWallsAndNobodyInIt) {
   }
 }
 
-TEST_F(MapOfARoom, IsReadByOctoMapItself) {
+TEST_F(MapOfARoom, IsReadByOctoMapAndThePlannerAlike) {
   const std::vector<std::uint8_t> tree = mapper_->binaryTree();
   std::stringstream stream(std::string(tree.begin(), tree.end()));
   octomap::OcTree octree(0.1);
@@ -55,13 +55,7 @@ TEST_F(MapOfARoom, IsReadByOctoMapItself) {
   const octomap::OcTreeNode* free = octree.search(1.0, 0.0, 0.025);
   ASSERT_NE(free, nullptr);
   EXPECT_FALSE(octree.isNodeOccupied(free));
-}
 
-TEST_F(MapOfARoom, IsReadByThePlannerAsOctoMapReadsIt) {
-  const std::vector<std::uint8_t> tree = mapper_->binaryTree();
-  std::stringstream stream(std::string(tree.begin(), tree.end()));
-  octomap::OcTree octree(0.1);
-  ASSERT_TRUE(octree.readBinary(stream));
   const auto grid = planner::OccupancyGrid::fromTree(tree, kBounds);
   ASSERT_TRUE(grid);
   int occupied = 0;
@@ -75,10 +69,7 @@ TEST_F(MapOfARoom, IsReadByThePlannerAsOctoMapReadsIt) {
     }
   }
   EXPECT_GT(occupied, 500);
-}
 
-TEST_F(MapOfARoom, IsNotReadWhenItIsCutOff) {
-  const std::vector<std::uint8_t> tree = mapper_->binaryTree();
   for (std::size_t size = 0; size < tree.size(); size += 997) {
     EXPECT_FALSE(planner::OccupancyGrid::fromTree(std::span(tree).first(size), kBounds)) << size;
   }

@@ -66,7 +66,7 @@ FlightLab::FlightLab() : url_(ownLcmUrl()), bus_(std::make_unique<bus::LcmBus>(u
         ++heard_.fleet_statuses;
       },
       ignore);
-  for (const std::string vehicle : {"hex1", "hex2"}) {
+  for (const std::string vehicle : {"hex1", "hex2", "rover"}) {
     bus::subscribe<roundabout_msgs::planner_status_t>(
         *bus_, bus::plannerStatusChannel(vehicle),
         [this, vehicle](const auto& message) { heard_.planners[vehicle] = message; }, ignore);
