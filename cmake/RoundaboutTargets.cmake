@@ -41,6 +41,8 @@ function(roundabout_precompiled name)
 endfunction()
 set(ROUNDABOUT_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 roundabout_precompiled(roundabout_precompiled)
+roundabout_precompiled(roundabout_command_precompiled HEADERS <CLI/CLI.hpp> <spdlog/fmt/fmt.h>
+  LINK CLI11::CLI11 spdlog::spdlog)
 roundabout_precompiled(roundabout_test_precompiled HEADERS <gmock/gmock.h> <gtest/gtest.h>
   LINK GTest::gmock GTest::gtest OPTIONS ${ROUNDABOUT_TEST_OPTIONS})
 function(roundabout_use_precompiled name from)
@@ -49,12 +51,17 @@ function(roundabout_use_precompiled name from)
   endif()
 endfunction()
 
-# roundabout_library(NAME SOURCES… LINK …): a static library with the house's options.
+# roundabout_library(NAME [COMMANDS] SOURCES… LINK …): a static library with the house's options. COMMANDS: of command
+# lines, whose header takes seconds to read.
 function(roundabout_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "COMMANDS" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC roundabout_options ${ARG_LINK})
-  roundabout_use_precompiled(${name} roundabout_precompiled)
+  if(ARG_COMMANDS)
+    roundabout_use_precompiled(${name} roundabout_command_precompiled)
+  else()
+    roundabout_use_precompiled(${name} roundabout_precompiled)
+  endif()
 endfunction()
 
 # roundabout_hot_path(NAME): a library whose speed is measured and that gains from -O3.
@@ -67,7 +74,7 @@ function(roundabout_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE roundabout_options ${ARG_LINK})
-  roundabout_use_precompiled(${name} roundabout_precompiled)
+  roundabout_use_precompiled(${name} roundabout_command_precompiled)
 endfunction()
 
 # roundabout_test(NAME SOURCES … LINK … [LABEL unit|contract|system|bench] [TIMEOUT s] [OPTIMIZE]): one GoogleTest
