@@ -17,6 +17,10 @@ constexpr int kTop = 50;
 constexpr int kBottom = 80;
 constexpr double kMarginM = 0.3;
 
+constexpr double kCaptionSize = 9.0;
+// Wide is a letter of a caption of that size, on average.
+constexpr double kLetter = 6.2;
+
 }  // namespace
 
 void PlanView::include(const Eigen::Vector2d& centre, double radius_m) {
@@ -54,8 +58,11 @@ void PlanView::set(GnuplotScript& script, const std::string& caption) const {
   script.line("set bmargin at screen {:.4f}", static_cast<double>(kBottom) / canvas.height);
   script.line("set tmargin at screen {:.4f}", 1.0 - static_cast<double>(kTop) / canvas.height);
   script.line("set xlabel \"x (m)\"");
-  script.line("set label 1 {} at screen 0.5, screen 0.025 center tc rgb \"#667385\" font \",9\"",
-              gnuplotString(caption));
+  // Smaller if that is what it takes to stay in the picture.
+  const double fits = canvas.width / (kLetter * static_cast<double>(caption.size() + 1));
+  script.line(
+      "set label 1 {} at screen 0.5, screen 0.025 center tc rgb \"#667385\" font \",{:.1f}\"",
+      gnuplotString(caption), kCaptionSize * std::min(1.0, fits));
   script.line("set ylabel \"y (m)\"");
   script.line("set key at graph 1.02, 1 left top Left reverse samplen 1 spacing 1.3");
 }
