@@ -336,13 +336,13 @@ struct Perception {
   double lost_s = 0.5;    ///< who should be seen and is not is forgotten after this time
   double hidden_s = 2.0;  ///< and who is behind somebody, or out of view, after this
   double map_resolution_m = 0.05;
-  double map_rate_hz = 10.0;    ///< scans put into the map
+  double map_rate_hz = 10.0;  ///< scans put into the map
   double map_publish_hz = 1.0;
-  std::string map_file;         ///< path of a .bt file that is saved at the end; empty: none
-  std::string detector = "hog"; ///< of people in images: hog, none, or the path of a model
+  std::string map_file;              ///< path of a .bt file that is saved at the end; empty: none
+  std::string detector = "hog";      ///< of people in images: hog, none, or the path of a model
   double detector_confidence = 0.5;  ///< boxes below are no people
-  double image_period_s = 0.2;  ///< of each camera; images between are not looked at
-  double image_delay_s = 0.3;   ///< boxes count from so long after the exposure
+  double image_period_s = 0.2;       ///< of each camera; images between are not looked at
+  double image_delay_s = 0.3;        ///< boxes count from so long after the exposure
 };
 
 struct NamedPoints {

@@ -316,8 +316,9 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--count", options->count, "Generated cases")->check(CLI::Range(1, 1000000));
   command
-      ->add_option("--half-side", options->half_side_m,
-                   "m; generated places lie in a square of twice this. Default: 4, from ten agents 6")
+      ->add_option(
+          "--half-side", options->half_side_m,
+          "m; generated places lie in a square of twice this. Default: 4, from ten agents 6")
       ->check(CLI::Range(0.1, 1000.0));
   command->add_option("--radius", "MIN MAX, m, of generated agents")
       ->expected(2)
@@ -339,8 +340,9 @@ void addEvaluateCommand(CLI::App& app, int& exit_status) {
   command->add_option("--rules", options->rules, "published or lab (--list)");
   command->add_option("--loss", options->loss, "Share of messages lost in the lab; default: 0.05")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--slower", options->slower,
-                      "Lag and delay in the lab, times what the shield assumes; default: 1")
+  command
+      ->add_option("--slower", options->slower,
+                   "Lag and delay in the lab, times what the shield assumes; default: 1")
       ->check(CLI::Range(0.1, 10.0));
   command->add_option("--mix", options->mix, "NAME or NAME:WEIGHTS that some agents run instead");
   command->add_option("--mix-share", options->mix_share, "How many of them, 0 to 1")

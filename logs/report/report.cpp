@@ -264,8 +264,8 @@ void writeReport(const std::string& file, const Flight& flight, const Metrics& m
       "<p class=\"quiet\">" + escaped(flight.log_file) + "</p>\n" + verdict(metrics) +
       cards(metrics) + playerHtml(flight, metrics) + "<h2>Formations</h2>\n" + plans(figures) +
       formationTable(metrics) + "<h2>Over time</h2>\n" + curves(figures) + "<h2>Vehicles</h2>\n" +
-      vehicleTable(metrics) + shieldTable(metrics) + "<h2>Timing</h2>\n" + timingSection(metrics) + "<h2>Faults</h2>\n" +
-      faultSection(flight, metrics) + "<h2>Experiment</h2>\n" +
+      vehicleTable(metrics) + shieldTable(metrics) + "<h2>Timing</h2>\n" + timingSection(metrics) +
+      "<h2>Faults</h2>\n" + faultSection(flight, metrics) + "<h2>Experiment</h2>\n" +
       experimentSection(flight, command_line) + "</body></html>\n";
   writeFile(file, html);
 }

@@ -96,6 +96,11 @@ std::string text(const Endpoint& endpoint) {
   return addressText(endpoint.address) + ":" + std::to_string(endpoint.port);
 }
 
+Endpoint serverOf(const config::Mocap& mocap, std::uint16_t usual_port) {
+  return {resolveAddress("mocap.server", mocap.server),
+          mocap.command_port == 0 ? usual_port : static_cast<std::uint16_t>(mocap.command_port)};
+}
+
 std::uint32_t resolveAddress(const std::string& key, const std::string& host) {
   addrinfo hints{};
   hints.ai_family = AF_INET;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/experiment.h"
 #include "mocap_bridge/sources/byte_cursor.h"
 
 namespace roundabout::mocap_bridge {
@@ -26,6 +27,8 @@ std::string text(const Endpoint& endpoint);
 
 /// Numbers or a host name to an address. Throws core::StartupError that names `key`.
 std::uint32_t resolveAddress(const std::string& key, const std::string& host);
+/// mocap.server at mocap.command_port, or at the protocol's own port if that is 0. Throws as above.
+Endpoint serverOf(const config::Mocap& mocap, std::uint16_t usual_port);
 /// Of an interface, by its address or its name ("eth0"); empty: any (0). Throws core::StartupError
 /// that lists this machine's interfaces.
 std::uint32_t interfaceAddress(const std::string& key, const std::string& interface);

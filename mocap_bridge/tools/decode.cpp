@@ -30,7 +30,7 @@ Json bodyJson(const BodyPose& body) {
   const Eigen::Quaterniond& turned = body.orientation;
   json["position"] = {number(at.x()), number(at.y()), number(at.z())};
   json["quaternion"] = {number(turned.x()), number(turned.y()), number(turned.z()),
-                             number(turned.w())};
+                        number(turned.w())};
   json["tracked"] = body.tracked;
   if (std::isfinite(body.residual_m)) {
     json["residual_m"] = body.residual_m;

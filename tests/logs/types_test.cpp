@@ -40,13 +40,12 @@ class OwnTypes : public testing::Test {
   TypeTable types_;
 };
 
-using Messages = testing::Types<roundabout_msgs::vehicle_states_t, roundabout_msgs::goal_t,
-                                roundabout_msgs::command_t, roundabout_msgs::planner_status_t,
-                                roundabout_msgs::fleet_status_t, roundabout_msgs::mission_t,
-                                roundabout_msgs::safety_order_t, roundabout_msgs::planar_lidar_t,
-                                roundabout_msgs::agent_tracks_t, roundabout_msgs::image_t,
-                                roundabout_msgs::occupancy_t, roundabout_msgs::odometry_t,
-                                roundabout_msgs::log_marker_t>;
+using Messages = testing::Types<
+    roundabout_msgs::vehicle_states_t, roundabout_msgs::goal_t, roundabout_msgs::command_t,
+    roundabout_msgs::planner_status_t, roundabout_msgs::fleet_status_t, roundabout_msgs::mission_t,
+    roundabout_msgs::safety_order_t, roundabout_msgs::planar_lidar_t,
+    roundabout_msgs::agent_tracks_t, roundabout_msgs::image_t, roundabout_msgs::occupancy_t,
+    roundabout_msgs::odometry_t, roundabout_msgs::log_marker_t>;
 TYPED_TEST_SUITE(OwnTypes, Messages);
 
 TYPED_TEST(OwnTypes, HaveTheFingerprintThatLcmGenComputes) {

@@ -65,9 +65,8 @@ TEST_F(PedestrianFlight, TheRobotStopsWhenItsPerceptionIsGone) {
            modeOf("rover") == roundabout_msgs::planner_status_t::FLYING;
   });
   killProcess({"perception"});
-  waitUntil("the robot holds", [this] {
-    return modeOf("rover") == roundabout_msgs::planner_status_t::HOLDING;
-  });
+  waitUntil("the robot holds",
+            [this] { return modeOf("rover") == roundabout_msgs::planner_status_t::HOLDING; });
   EXPECT_EQ(heard().planners.at("rover").reason, "no tracks from perception");
   EXPECT_GT(heard().planners.at("rover").ticks_without_tracks, 0);
   flight.signal(SIGINT);

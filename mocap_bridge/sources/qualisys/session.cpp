@@ -11,15 +11,10 @@ namespace {
 constexpr core::Utime kSilence = 2 * core::kMicrosPerSecond;
 constexpr core::Utime kGreetingLimit = 2 * core::kMicrosPerSecond;
 
-Endpoint serverOf(const config::Mocap& mocap) {
-  return {resolveAddress("mocap.server", mocap.server),
-          mocap.command_port == 0 ? kDefaultPort : static_cast<std::uint16_t>(mocap.command_port)};
-}
-
 }  // namespace
 
 QualisysSession::QualisysSession(const config::Mocap& mocap)
-    : server_(serverOf(mocap)), interpreter_(mocap) {}
+    : server_(serverOf(mocap, kDefaultPort)), interpreter_(mocap) {}
 
 void QualisysSession::poll(core::Utime now, PacketSink& sink) {
   began_ = began_ == 0 ? now : began_;

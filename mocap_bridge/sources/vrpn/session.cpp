@@ -12,15 +12,10 @@ constexpr core::Utime kSilence = 2 * core::kMicrosPerSecond;
 // A connection that says nothing for so long may have lost its other end.
 constexpr core::Utime kGiveUp = 5 * core::kMicrosPerSecond;
 
-Endpoint serverOf(const config::Mocap& mocap) {
-  return {resolveAddress("mocap.server", mocap.server),
-          mocap.command_port == 0 ? kDefaultPort : static_cast<std::uint16_t>(mocap.command_port)};
-}
-
 }  // namespace
 
 VrpnSession::VrpnSession(const config::Mocap& mocap)
-    : server_(serverOf(mocap)), interpreter_(mocap) {}
+    : server_(serverOf(mocap, kDefaultPort)), interpreter_(mocap) {}
 
 void VrpnSession::connect(core::Utime now) {
   if (stream_ || !reconnect_.due(now)) {

@@ -10,8 +10,8 @@
 #include "common/core/angles.h"
 #include "common/core/polygon.h"
 #include "planner/linear_program/linear_program.h"
-#include "planner/policies/orca/obstacle.h"
 #include "planner/linear_program/velocity_obstacle.h"
+#include "planner/policies/orca/obstacle.h"
 
 namespace roundabout::planner {
 

@@ -97,14 +97,16 @@ TEST(ConfigError, UnknownKeyOfAVehicle) {
   EXPECT_EQ(errorOf("vehicles:\n  - name: hex1\n  - name: hex2\n    radus_m: 0.5\n"),
             "lab.yaml:4: vehicles[1].radus_m: expected one of name, model, assumed_radius_m, "
             "body_radius_m, preferred_speed_mps, top_speed_mps, height_m, max_acceleration_mps2, "
-            "shielded, start, lidar, cameras, localised_by, found \"radus_m\" (did you mean \"assumed_radius_m\"?)");
+            "shielded, start, lidar, cameras, localised_by, found \"radus_m\" (did you mean "
+            "\"assumed_radius_m\"?)");
 }
 
 TEST(ConfigError, UnknownKeyOfTheVehicleDefaults) {
   EXPECT_EQ(errorBelow("vehicle_defaults:\n  height: 1\n"),
             "lab.yaml:3: vehicle_defaults.height: expected one of name, model, assumed_radius_m, "
             "body_radius_m, preferred_speed_mps, top_speed_mps, height_m, max_acceleration_mps2, "
-            "shielded, start, lidar, cameras, localised_by, found \"height\" (did you mean \"height_m\"?)");
+            "shielded, start, lidar, cameras, localised_by, found \"height\" (did you mean "
+            "\"height_m\"?)");
 }
 
 TEST(ConfigError, UnknownKeyLikeNoOther) {

@@ -48,6 +48,7 @@ void waitFor(const fs::path& file) {
   while (!fs::exists(file) && std::chrono::steady_clock::now() < until) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  ASSERT_TRUE(fs::exists(file)) << file << " is not there after 30 s";
 }
 
 void expectSameNetwork(const std::string& one, const std::string& other) {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "planner/policies/orca/obstacle.h"
 #include "planner/linear_program/velocity_obstacle.h"
+#include "planner/policies/orca/obstacle.h"
 #include "tests/planner/policies/random_scene.h"
 
 namespace roundabout::planner {

@@ -122,7 +122,8 @@ TEST(Orca, TakesHalfOfTheChangeThatIsNeeded) {
   options.orca.radius_factor = 1.0;
   options.orca.right_bias_rad = 0.0;
   const core::OtherAgent ahead{{4.0, 0.0}, {0.0, 0.0}, 0.5};
-  const Decision decision = makeOrca(options)->decide(agent({0.0, 0.0}, {9.0, 0.0}), std::span(&ahead, 1));
+  const Decision decision =
+      makeOrca(options)->decide(agent({0.0, 0.0}, {9.0, 0.0}), std::span(&ahead, 1));
   // 3 m are free, for both together and for the horizon of 5 s.
   EXPECT_NEAR(decision.speed_mps, 0.3, 1e-9);
   EXPECT_NEAR(decision.heading_change_rad, 0.0, 1e-9);
