@@ -1,12 +1,12 @@
 #include "planner/pilot.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/config/obstacles.h"
 #include "common/core/error.h"
-#include "planner/command_law.h"
 
 namespace roundabout::planner {
 
@@ -18,6 +18,7 @@ constexpr double kOldestScan_s = 0.3;
 constexpr double kMapLookAhead_s = 1.0;
 // Between a body and the map, beside the half cell by which the map may be wrong.
 constexpr double kMapMargin_m = 0.05;
+constexpr std::size_t kMostWaitingMaps = 4;
 
 }  // namespace
 
@@ -77,15 +78,15 @@ void Pilot::fly(core::Utime now, const Situation& situation, const core::Goal& g
   if (needsScans()) {
     around.scan = freshScan(now);
   }
+  applyMaps(now);
   status.decision = policy_->decide(headedFor(ego), around);
-  const PlanarCommand planar = commandFrom(status.decision, ego, settings_);
+  const PlanarCommand planar = offMap(ego, status.decision);
   command.mode = core::CommandMode::kVelocity;
   command.velocity_world_mps << planar.velocity_world_mps, 0.0;
   command.position_world_m = room.clipPosition(
       {ego.position_world_m.x(), ego.position_world_m.y(), goal.position_world_m.z()});
   command.heading_world_rad = planar.heading_world_rad;
   command.heading_rate_radps = planar.heading_rate_radps;
-  keepOffMap(ego, command);
 }
 
 core::EgoAgent Pilot::headedFor(core::EgoAgent ego) const {
@@ -97,26 +98,78 @@ core::EgoAgent Pilot::headedFor(core::EgoAgent ego) const {
   return ego;
 }
 
-void Pilot::keepOffMap(const core::EgoAgent& ego, core::Command& command) const {
-  const Eigen::Vector2d wanted_mps = command.velocity_world_mps.head<2>();
-  if (!way_finder_ || !wanted_mps.allFinite()) {
-    return;
+bool Pilot::hitsMap(const core::EgoAgent& ego, const Eigen::Vector2d& velocity_mps) const {
+  return way_finder_ && velocity_mps.allFinite() &&
+         !way_finder_->freeBetween(ego.position_world_m,
+                                   ego.position_world_m + kMapLookAhead_s * velocity_mps);
+}
+
+/// The decision as a command, or what is flown instead of one that would hit the map: of policies
+/// with an action table the most probable action that does not, of others the nearest direction.
+PlanarCommand Pilot::offMap(const core::EgoAgent& ego, Decision& decision) const {
+  PlanarCommand command = commandFrom(decision, ego, settings_);
+  if (!hitsMap(ego, command.velocity_world_mps)) {
+    return command;
   }
-  const Eigen::Vector2d flown_mps =
-      way_finder_->maskedVelocity(ego.position_world_m, wanted_mps, kMapLookAhead_s);
-  if (flown_mps == wanted_mps) {
-    return;
+  if (const auto likeliest = likeliestOffMap(ego, decision)) {
+    return *likeliest;
   }
-  command.velocity_world_mps.head<2>() = flown_mps;
+  command.velocity_world_mps = way_finder_->maskedVelocity(
+      ego.position_world_m, command.velocity_world_mps, kMapLookAhead_s);
   command.heading_rate_radps = 0.0;
-  if (!flown_mps.isZero()) {
-    command.heading_world_rad = std::atan2(flown_mps.y(), flown_mps.x());
+  if (!command.velocity_world_mps.isZero()) {
+    command.heading_world_rad =
+        std::atan2(command.velocity_world_mps.y(), command.velocity_world_mps.x());
   }
+  return command;
+}
+
+/// Makes the decision the likeliest one that does not hit the map; nothing: it has no action table.
+std::optional<PlanarCommand> Pilot::likeliestOffMap(const core::EgoAgent& ego,
+                                                    Decision& decision) const {
+  std::optional<PlanarCommand> likeliest;
+  float highest = -1.0F;
+  const std::size_t count = std::min(decision.actions.size(), decision.action_probabilities.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(decision.action_probabilities[i] > highest)) {
+      continue;
+    }
+    Decision other = decision;
+    other.action = static_cast<int>(i);
+    other.speed_mps = decision.actions[i].speed_fraction * ego.preferred_speed_mps;
+    other.heading_change_rad = decision.actions[i].heading_change_rad;
+    const PlanarCommand command = commandFrom(other, ego, settings_);
+    if (!hitsMap(ego, command.velocity_world_mps)) {
+      highest = decision.action_probabilities[i];
+      likeliest = command;
+      decision = other;
+    }
+  }
+  return likeliest;
+}
+
+void Pilot::onMap(core::Utime utime, OccupancyGrid map) {
+  if (waiting_maps_.size() == kMostWaitingMaps) {
+    waiting_maps_.erase(waiting_maps_.begin());
+  }
+  waiting_maps_.push_back({utime, WayFinder(way_settings_, std::move(map))});
+}
+
+void Pilot::applyMaps(core::Utime now) {
+  for (WaitingMap& waiting : waiting_maps_) {
+    if (waiting.utime < now && waiting.utime >= map_utime_) {
+      map_utime_ = waiting.utime;
+      way_finder_ = std::move(waiting.way_finder);
+    }
+  }
+  std::erase_if(waiting_maps_, [now](const WaitingMap& each) { return each.utime < now; });
 }
 
 void Pilot::beginAnew() {
   scans_.clear();
+  waiting_maps_.clear();
   way_finder_.reset();
+  map_utime_ = 0;
   policy_->reset();
 }
 

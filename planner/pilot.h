@@ -6,6 +6,7 @@
 
 #include "common/core/command.h"
 #include "common/core/laser_scan.h"
+#include "planner/command_law.h"
 #include "planner/map/way_finder.h"
 #include "planner/policy.h"
 #include "planner/safety/room_guard.h"
@@ -29,9 +30,9 @@ class Pilot {
   /// False if the policy needs a scan and there is none from the last 0.3 s.
   bool seesEnough(core::Utime now) { return !needsScans() || !freshScan(now).ranges_m.empty(); }
 
-  /// From now on the policy is sent round what the map holds, and velocities that would hit it are
-  /// not flown.
-  void onMap(OccupancyGrid map) { way_finder_.emplace(way_settings_, std::move(map)); }
+  /// From the first tick after its utime on, the policy is sent round what the map holds, and
+  /// velocities that would hit it are not flown.
+  void onMap(core::Utime utime, OccupancyGrid map);
 
   /// A velocity, or position control near the goal (status.mode then becomes AT_GOAL).
   void fly(core::Utime now, const Situation& situation, const core::Goal& goal,
@@ -51,7 +52,10 @@ class Pilot {
   core::RangeScan freshScan(core::Utime now);
   /// What the policy is told: with the next place on the way as its goal.
   core::EgoAgent headedFor(core::EgoAgent ego) const;
-  void keepOffMap(const core::EgoAgent& ego, core::Command& command) const;
+  void applyMaps(core::Utime now);
+  bool hitsMap(const core::EgoAgent& ego, const Eigen::Vector2d& velocity_mps) const;
+  PlanarCommand offMap(const core::EgoAgent& ego, Decision& decision) const;
+  std::optional<PlanarCommand> likeliestOffMap(const core::EgoAgent& ego, Decision& decision) const;
 
   const config::Planner settings_;
   const double max_range_m_;  // of the lidar; 0: there is none
@@ -60,7 +64,13 @@ class Pilot {
   std::vector<core::OtherAgent> others_;
   ScanBuffer scans_;
   WayFinder::Settings way_settings_;
-  std::optional<WayFinder> way_finder_;  // nothing: there is no map
+  struct WaitingMap {
+    core::Utime utime;
+    WayFinder way_finder;
+  };
+  std::vector<WaitingMap> waiting_maps_;  // as they came
+  core::Utime map_utime_ = 0;             // of the map that counts
+  std::optional<WayFinder> way_finder_;   // nothing: there is no map
 };
 
 }  // namespace roundabout::planner

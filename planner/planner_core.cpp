@@ -117,14 +117,18 @@ const char* PlannerCore::onOthersCommand(const core::Command& command) {
 }
 
 const char* PlannerCore::onMap(const core::OccupancyMap& map) {
+  if (map.utime < 0 || (started() && map.utime > gate_.last() + core::kFarAhead)) {
+    onRejected();
+    return "its time stamp is corrupt";
+  }
   const config::Room& room = experiment_.room;
   auto grid = OccupancyGrid::fromTree(
       map.tree, Eigen::AlignedBox2d(room.min_m.head<2>(), room.max_m.head<2>()));
   if (!grid) {
-    ++rejected_messages_;
+    onRejected();
     return "its tree is cut off, or none";
   }
-  pilot_.onMap(std::move(*grid));
+  pilot_.onMap(map.utime, std::move(*grid));
   return nullptr;
 }
 

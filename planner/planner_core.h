@@ -69,8 +69,8 @@ class PlannerCore {
   /// A message that could not be decoded or was not acceptable.
   void onRejected() { ++rejected_messages_; }
 
-  /// What perception knows of the world that does not move; takes effect at the next tick. Returns
-  /// why it was refused; nullptr: it was not.
+  /// What perception knows of the world that does not move; takes effect at the first tick after
+  /// its utime. Returns why it was refused; nullptr: it was not.
   const char* onMap(const core::OccupancyMap& map);
 
   /// Live only: no frame has come for `silence_s` of wall clock, at least safety.states_hold_s.

@@ -10,6 +10,12 @@
 
 namespace roundabout::planner {
 
+/// One of the actions that a policy chooses from.
+struct DiscreteAction {
+  double speed_fraction = 0.0;      ///< of the preferred speed
+  double heading_change_rad = 0.0;  ///< counter-clockwise
+};
+
 /// What a policy chose.
 struct Decision {
   double speed_mps = 0.0;           ///< >= 0, at most the ego's preferred speed; NaN: no decision
@@ -17,7 +23,8 @@ struct Decision {
   int action = -1;                  ///< index into the policy's action table; -1: it has none
   double value = std::numeric_limits<double>::quiet_NaN();  ///< of the critic; NaN: it has none
   std::span<const float>
-      action_probabilities{};  ///< valid until the next query; empty: it has none
+      action_probabilities{};                 ///< valid until the next query; empty: it has none
+  std::span<const DiscreteAction> actions{};  ///< the action table; empty: it has none
   int neighbours_used = 0;
 };
 

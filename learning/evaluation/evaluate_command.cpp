@@ -9,7 +9,6 @@
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
-#include <unistd.h>
 
 #include "common/app/stop_signal.h"
 #include "common/config/obstacles.h"
@@ -19,6 +18,7 @@
 #include "learning/evaluation/figures.h"
 #include "learning/evaluation/generate.h"
 #include "learning/evaluation/obstacle_course.h"
+#include "learning/evaluation/progress_line.h"
 #include "learning/evaluation/results_folder.h"
 #include "learning/evaluation/run_description.h"
 #include "learning/evaluation/summary.h"
@@ -181,40 +181,6 @@ Evaluation prepare(const Options& options) {
   return evaluation;
 }
 
-std::string timeText(double seconds) {
-  return seconds < 90.0 ? fmt::format("{:.0f} s", seconds)
-                        : fmt::format("{:.1f} min", seconds / 60);
-}
-
-/// One line on a terminal, else a line every ten seconds.
-class Progress {
- public:
-  Progress(std::size_t first, std::size_t rows) : first_(first), rows_(rows) {}
-
-  void show(std::size_t done, const std::string& policy, bool last) {
-    const Seconds since_shown = Clock::now() - shown_;
-    if (!last && since_shown.count() < (terminal_ ? 0.2 : 10.0)) {
-      return;
-    }
-    shown_ = Clock::now();
-    const double spent_s = Seconds(shown_ - begin_).count();
-    const double left_s = spent_s * static_cast<double>(rows_ - done) /
-                          static_cast<double>(std::max<std::size_t>(done - first_, 1));
-    fmt::print(stderr, "{}{} of {} cases, {}, {} left{}", terminal_ ? "\r\033[K" : "", done, rows_,
-               policy, timeText(left_s), terminal_ && !last ? "" : "\n");
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  using Seconds = std::chrono::duration<double>;
-
-  std::size_t first_;
-  std::size_t rows_;
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-  Clock::time_point begin_ = Clock::now();
-  Clock::time_point shown_ = begin_;
-};
-
 void writeSummary(const Evaluation& evaluation, const ResultsFolder& results, double wall_s,
                   long decisions) {
   const std::vector<Score> scores = scoresOf(evaluation, results.finished());
@@ -271,7 +237,7 @@ int evaluate(Options options) {
   const Evaluation evaluation = prepare(options);
   ResultsFolder results(options.folder, describeRun(evaluation), options.resume, evaluation);
 
-  Progress progress(results.finished().size(), evaluation.cases());
+  ProgressLine progress(results.finished().size(), evaluation.cases(), "cases");
   long decisions = 0;
   const auto began = std::chrono::steady_clock::now();
   const bool whole = runAll(
@@ -280,8 +246,7 @@ int evaluate(Options options) {
         results.append(evaluation, row, result);
         decisions += result.decisions;
         const Place place = placeOf(evaluation, row);
-        progress.show(row + 1, labelOf(evaluation, place.contestant),
-                      row + 1 == evaluation.cases());
+        progress.show(row + 1, labelOf(evaluation, place.contestant));
       },
       [&] { return !stop.requested(); });
   if (!whole) {

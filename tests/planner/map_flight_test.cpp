@@ -1,62 +1,24 @@
 // A planner that is told what stands around it.
 
 #include <algorithm>
+#include <array>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "tests/planner/fake_flight.h"
+#include "tests/planner/occupied_cells.h"
 
 namespace roundabout::planner {
 namespace {
 
-constexpr double kCell_m = 0.1;
-
-struct Key {
-  int x;
-  int y;
-};
-
-/// The nodes of an OctoMap tree in which these cells of the layer above the floor are occupied.
-void writeNode(const std::vector<Key>& cells, int x, int y, int z, int half, std::string& nodes) {
-  unsigned bits = 0;
-  std::string below;
-  for (int child = 0; child < 8; ++child) {
-    const int child_x = x + (child & 1 ? half : 0);
-    const int child_y = y + (child & 2 ? half : 0);
-    const int child_z = z + (child & 4 ? half : 0);
-    std::vector<Key> inside;
-    std::copy_if(cells.begin(), cells.end(), std::back_inserter(inside), [&](const Key& key) {
-      return key.x >= child_x && key.x < child_x + half && key.y >= child_y &&
-             key.y < child_y + half && child_z <= 0 && 0 < child_z + half;
-    });
-    if (!inside.empty()) {
-      bits |= (half == 1 ? 2U : 3U) << (2 * child);
-      if (half > 1) {
-        writeNode(inside, child_x, child_y, child_z, half / 2, below);
-      }
-    }
-  }
-  nodes += static_cast<char>(bits & 0xFFU);
-  nodes += static_cast<char>(bits >> 8U);
-  nodes += below;
-}
-
-core::OccupancyMap mapOf(const std::vector<Key>& cells) {
-  std::string text = "# Octomap OcTree binary file\nid OcTree\nsize 1\nres 0.1\ndata\n";
-  writeNode(cells, -32768, -32768, -32768, 32768, text);
-  core::OccupancyMap map;
-  map.resolution_m = kCell_m;
-  map.tree.assign(text.begin(), text.end());
-  return map;
-}
-
 /// 1.5 m ahead, from 2 m to the right to 0.5 m to the left.
 core::OccupancyMap wallAhead() {
-  std::vector<Key> cells;
+  std::vector<test::CellKey> cells;
   for (int y = -20; y < 5; ++y) {
     cells.push_back({15, y});
   }
-  return mapOf(cells);
+  return test::mapOf(cells);
 }
 
 TEST(MapFlight, SendsThePolicyRoundAWall) {
@@ -81,6 +43,73 @@ TEST(MapFlight, DoesNotFlyWhatWouldHitTheWall) {
   const Eigen::Vector3d flown = flight.run(0.1).command.velocity_world_mps;
   // 0.35 m of body and 0.05 m of margin before the wall at 1.5 m, within the next second.
   EXPECT_LT(0.8 + flown.x(), 1.1 + 0.06);
+}
+
+TEST(MapFlight, TakesEffectAtTheFirstTickAfterItsTime) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.run(0.1);
+  const auto sentStraight = [&] {
+    return flight.script->ego.goal_world_m.isApprox(Eigen::Vector2d(4.0, 0.0));
+  };
+  core::OccupancyMap map = wallAhead();
+  map.utime = flight.ticks.back().status.utime + 100'000;  // of the next tick
+  ASSERT_EQ(flight.core.onMap(map), nullptr);
+  flight.run(0.1);
+  ASSERT_EQ(flight.ticks.back().status.utime, map.utime);
+  EXPECT_TRUE(sentStraight());
+  flight.run(0.1);
+  EXPECT_FALSE(sentStraight());
+}
+
+TEST(MapFlight, AnOlderMapThatComesLateChangesNothing) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.run(0.1);
+  core::OccupancyMap wall = wallAhead();
+  wall.utime = flight.now;
+  core::OccupancyMap open = test::mapOf({});
+  open.utime = wall.utime - 1;
+  ASSERT_EQ(flight.core.onMap(wall), nullptr);
+  flight.run(0.1);
+  ASSERT_EQ(flight.core.onMap(open), nullptr);
+  flight.run(0.1);
+  EXPECT_GT(flight.script->ego.goal_world_m.y(), 0.5);
+}
+
+TEST(MapFlight, RefusesATimeFarAhead) {
+  FakeFlight flight;
+  flight.run(0.1);
+  core::OccupancyMap map = wallAhead();
+  map.utime = flight.now + 3'600 * core::kMicrosPerSecond;
+  EXPECT_STREQ(flight.core.onMap(map), "its time stamp is corrupt");
+}
+
+/// The wall ahead is likeliest; then, in this order, a little to the right of that, back, and to
+/// the left.
+struct ActionTable {
+  static constexpr std::array<DiscreteAction, 4> kActions = {
+      {{1.0, 0.0}, {1.0, -0.2}, {0.5, std::numbers::pi}, {1.0, std::numbers::pi / 2.0}}};
+  static constexpr std::array kProbabilities = {0.5F, 0.3F, 0.15F, 0.05F};
+};
+
+TEST(MapFlight, FliesTheLikeliestActionThatDoesNotHitTheWall) {
+  FakeFlight flight;
+  flight.script->decision = {.speed_mps = 0.5,
+                             .heading_change_rad = 0.0,
+                             .action = 0,
+                             .action_probabilities = ActionTable::kProbabilities,
+                             .actions = ActionTable::kActions};
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.own().position_world_m.x() = 0.8;
+  const PlannerCore::Tick free = flight.run(0.1);
+  EXPECT_EQ(free.status.decision.action, 0);
+  ASSERT_EQ(flight.core.onMap(wallAhead()), nullptr);
+  const PlannerCore::Tick masked = flight.run(0.1);
+  // A little to the right hits it too; the nearest free direction would be to the left.
+  EXPECT_EQ(masked.status.decision.action, 2);
+  EXPECT_NEAR(masked.command.velocity_world_mps.x(), -0.25, 1e-6);
+  EXPECT_NEAR(masked.command.velocity_world_mps.y(), 0.0, 1e-6);
 }
 
 TEST(MapFlight, CountsAMapThatIsNone) {

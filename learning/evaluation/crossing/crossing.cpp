@@ -30,8 +30,9 @@ Eigen::Vector2d goalOf(const config::Experiment& experiment) {
 /// One robot, its sensors and its planner on one clock.
 class Crossing {
  public:
-  Crossing(const config::Experiment& experiment, const CrossingCast& cast)
+  Crossing(const config::Experiment& experiment, const CrossingCast& cast, CrossingTrace* trace)
       : experiment_(experiment),
+        trace_(trace),
         robot_(experiment_.vehicles.front()),
         goal_m_(goalOf(experiment_)),
         world_(experiment_, kStart, cast.steering),
@@ -60,6 +61,10 @@ class Crossing {
     result_.closest_m = world_.encounters().closestM();
     for (const sim::Encounter& encounter : world_.encounters().all()) {
       ++(encounter.byVehicle() ? result_.collisions_by_robot : result_.collisions_by_person);
+    }
+    if (!world_.encounters().all().empty()) {
+      result_.first_collision = world_.encounters().all().front();
+      result_.first_collision_s = core::toSeconds(result_.first_collision->begin - kStart);
     }
     result_.collisions_with_things = static_cast<int>(world_.contacts().all().size());
     return result_;
@@ -96,10 +101,14 @@ class Crossing {
     while (const auto tracks = eyes_->takeTracks()) {
       planner_.onTracks(*tracks);
     }
+    if (const auto map = eyes_->takeMap()) {
+      planner_.onMap(*map);
+    }
     sendGoal(states.utime);
     if (const auto tick = planner_.onFrame(states)) {
       world_.accept(0, tick->command);
       note(tick->status);
+      record();
     }
   }
 
@@ -124,7 +133,26 @@ class Crossing {
     result_.ticks_shielded = status.shield.interventions;
   }
 
+  void record() {
+    if (trace_ == nullptr) {
+      return;
+    }
+    const sim::BodyState& body = world_.bodies().front();
+    CrossingTrace::Moment& moment = trace_->moments.emplace_back();
+    moment.time_s = core::toSeconds(world_.now() - kStart);
+    moment.robot_m = body.position_world_m.head<2>();
+    moment.heading_rad = core::headingOf(body.orientation);
+    for (const sim::Pedestrian& person : world_.people()) {
+      moment.people.push_back({person.id, person.position_m});
+    }
+    if (world_.encounters().all().size() > trace_->collisions_m.size()) {
+      trace_->collisions_m.resize(world_.encounters().all().size(), moment.robot_m);
+    }
+    trace_->goal_m = goal_m_;
+  }
+
   const config::Experiment experiment_;
+  CrossingTrace* const trace_;
   const config::Vehicle& robot_;
   const Eigen::Vector2d goal_m_;
   sim::World world_;
@@ -140,11 +168,12 @@ class Crossing {
 
 }  // namespace
 
-CrossingResult runCrossing(const config::Experiment& experiment, const CrossingCast& cast) {
+CrossingResult runCrossing(const config::Experiment& experiment, const CrossingCast& cast,
+                           CrossingTrace* trace) {
   if (!experiment.vehicles.front().lidar) {
     throw core::StartupError(experiment.file, "vehicles[0].lidar", "one, to see people by", "none");
   }
-  return Crossing(experiment, cast).run();
+  return Crossing(experiment, cast, trace).run();
 }
 
 CrossingSummary summarise(std::span<const CrossingResult> results) {

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
+#include <numeric>
+#include <set>
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/config/experiment_file.h"
 #include "common/core/error.h"
-#include "learning/evaluation/crossing/crossing.h"
+#include "learning/evaluation/crossing/crossing_figure.h"
+#include "learning/evaluation/progress_line.h"
 #include "learning/training/workers.h"
 #include "planner/policies/table.h"
 #include "sim/pedestrians/policy_steering.h"
@@ -27,6 +31,8 @@ struct Options {
   std::string eyes = "perception";
   std::vector<std::string> overrides;
   std::string csv;
+  std::vector<int> only;
+  std::string pictures;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
@@ -63,17 +69,25 @@ CrossingCast castOf(const Options& options, const config::Experiment& experiment
           sim::steeringFor(experiment)};
 }
 
-void writeRows(std::ofstream& csv, const Variant& variant,
+void writeRows(std::ofstream& csv, const Variant& variant, const std::vector<int>& runs,
                const std::vector<CrossingResult>& results) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     const CrossingResult& each = results[i];
-    csv << fmt::format("{},{},{},{},{:.2f},{:.2f},{:.3f},{},{},{},{},{},{}\n", variant.policy,
-                       variant.shield ? "on" : "off", i + 1, each.reached ? 1 : 0, each.time_s,
-                       each.extra_time_s, each.closest_m, each.collisions_by_robot,
-                       each.collisions_by_person, each.collisions_with_things, each.ticks,
-                       each.ticks_blind, each.ticks_shielded);
+    const sim::Encounter met = each.first_collision.value_or(sim::Encounter{});
+    csv << fmt::format(
+        "{},{},{},{},{:.2f},{:.2f},{:.3f},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f}\n", variant.policy,
+        variant.shield ? "on" : "off", runs[i] + 1, each.reached ? 1 : 0, each.time_s,
+        each.extra_time_s, each.closest_m, each.collisions_by_robot, each.collisions_by_person,
+        each.collisions_with_things, each.ticks, each.ticks_blind, each.ticks_shielded,
+        each.first_collision_s, met.vehicle_closing_mps, met.person_closing_mps);
   }
   csv.flush();
+}
+
+std::string nameOf(const Variant& variant) {
+  return std::filesystem::path(variant.policy.substr(variant.policy.find(':') + 1))
+      .filename()
+      .string();
 }
 
 void printHead() {
@@ -83,16 +97,12 @@ void printHead() {
 }
 
 void print(const Variant& variant, const CrossingSummary& summary) {
-  const std::string name =
-      std::filesystem::path(variant.policy.substr(variant.policy.find(':') + 1))
-          .filename()
-          .string();
   fmt::print(
       "{:<24} {:<6} {:>5} {:>8} {:>9} {:>9} {:>7} {:>8.3f} {:>8.3f} {:>8.2f} {:>8.2f} "
       "{:>5.1f}% {:>7.1f}%\n",
-      name, variant.shield ? "on" : "off", summary.runs, summary.reached, summary.runs_hit_by_robot,
-      summary.runs_hit_by_person, summary.runs_hit_things, summary.closest_m,
-      summary.median_closest_m, summary.mean_extra_s, summary.p90_extra_s,
+      nameOf(variant), variant.shield ? "on" : "off", summary.runs, summary.reached,
+      summary.runs_hit_by_robot, summary.runs_hit_by_person, summary.runs_hit_things,
+      summary.closest_m, summary.median_closest_m, summary.mean_extra_s, summary.p90_extra_s,
       100.0 * summary.blind_share, 100.0 * summary.shielded_share);
 }
 
@@ -112,32 +122,117 @@ std::vector<Variant> variantsOf(const Options& options) {
   return variants;
 }
 
-int cross(const Options& options) {
+std::ofstream csvFile(const std::string& path) {
   std::ofstream csv;
-  if (!options.csv.empty()) {
-    csv.open(options.csv);
+  if (!path.empty()) {
+    csv.open(path);
     if (!csv) {
-      throw core::StartupError("cross", "--csv", "a file that can be written", options.csv);
+      throw core::StartupError("cross", "--csv", "a file that can be written", path);
     }
     csv << "policy,shield,run,reached,time_s,extra_s,closest_m,by_robot,by_person,things,ticks,"
-           "blind,shielded\n";
+           "blind,shielded,met_s,robot_towards_mps,person_towards_mps\n";
   }
+  return csv;
+}
+
+/// Counted from 0: those asked for, else all.
+std::vector<int> runsOf(const Options& options) {
+  std::vector<int> runs;
+  for (const int run : options.only) {
+    if (run > options.runs) {
+      throw core::StartupError("cross", "--only", fmt::format("1 to --runs {}", options.runs),
+                               std::to_string(run));
+    }
+    runs.push_back(run - 1);
+  }
+  if (runs.empty()) {
+    runs.resize(static_cast<std::size_t>(options.runs));
+    std::iota(runs.begin(), runs.end(), 0);
+  }
+  return runs;
+}
+
+/// Those asked for by number; else the first, the slowest, and some with a collision.
+std::vector<std::size_t> drawn(const Options& options, const std::vector<CrossingResult>& results) {
+  constexpr std::size_t kMostPictures = 6;
+  std::set<std::size_t> chosen;
+  if (!options.only.empty()) {
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      chosen.insert(i);
+    }
+  } else {
+    chosen.insert(0);
+    const auto slowest = std::max_element(
+        results.begin(), results.end(),
+        [](const CrossingResult& a, const CrossingResult& b) { return a.time_s < b.time_s; });
+    chosen.insert(static_cast<std::size_t>(slowest - results.begin()));
+    for (std::size_t i = 0; i < results.size() && chosen.size() < kMostPictures; ++i) {
+      if (results[i].first_collision) {
+        chosen.insert(i);
+      }
+    }
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+std::string whatHappened(const CrossingResult& result) {
+  std::string text = result.reached ? fmt::format("goal after {:.1f} s", result.time_s)
+                                    : fmt::format("not there after {:.0f} s", result.time_s);
+  if (result.first_collision) {
+    text += result.first_collision->byVehicle() ? ", ran into somebody" : ", was walked into";
+  }
+  return text;
+}
+
+void draw(const Options& options, const Variant& variant, const std::vector<int>& runs,
+          const std::vector<CrossingResult>& results) {
+  std::filesystem::create_directories(options.pictures);
+  for (const std::size_t i : drawn(options, results)) {
+    const config::Experiment experiment = experimentOf(options, variant, runs[i]);
+    CrossingTrace trace;
+    const CrossingResult result = runCrossing(experiment, castOf(options, experiment), &trace);
+    const std::string name = fmt::format("{}_{}_{}", nameOf(variant),
+                                         variant.shield ? "shield" : "no_shield", runs[i] + 1);
+    const std::filesystem::path file = std::filesystem::path(options.pictures) / name;
+    drawCrossing(
+        experiment, trace,
+        fmt::format("{} {}, {} shield, run {}: {}", experiment.name, nameOf(variant),
+                    variant.shield ? "with" : "without", runs[i] + 1, whatHappened(result)),
+        file);
+    fmt::print(stderr, "drawn: {}.png\n", file.string());
+  }
+}
+
+int cross(const Options& options) {
+  std::ofstream csv = csvFile(options.csv);
+  const std::vector<int> runs = runsOf(options);
+  const std::vector<Variant> variants = variantsOf(options);
   Workers workers(options.threads);
   fmt::print(
       "{}: {} runs each, eyes: {}; columns by robot, by person, things: runs with a "
       "collision\n",
-      options.file, options.runs, options.eyes);
+      options.file, runs.size(), options.eyes);
   printHead();
-  for (const Variant& variant : variantsOf(options)) {
-    std::vector<CrossingResult> results(static_cast<std::size_t>(options.runs));
-    workers.forEach(options.runs, [&](int run) {
-      const config::Experiment experiment = experimentOf(options, variant, run);
-      results[static_cast<std::size_t>(run)] = runCrossing(experiment, castOf(options, experiment));
+  std::fflush(stdout);
+  ProgressLine progress(0, variants.size() * runs.size(), "runs");
+  std::size_t done = 0;
+  std::mutex one_at_a_time;
+  for (const Variant& variant : variants) {
+    std::vector<CrossingResult> results(runs.size());
+    workers.forEach(static_cast<int>(runs.size()), [&](int i) {
+      const auto at = static_cast<std::size_t>(i);
+      const config::Experiment experiment = experimentOf(options, variant, runs[at]);
+      results[at] = runCrossing(experiment, castOf(options, experiment));
+      const std::lock_guard lock(one_at_a_time);
+      progress.show(++done, nameOf(variant));
     });
     print(variant, summarise(results));
     std::fflush(stdout);
     if (csv.is_open()) {
-      writeRows(csv, variant, results);
+      writeRows(csv, variant, runs, results);
+    }
+    if (!options.pictures.empty()) {
+      draw(options, variant, runs, results);
     }
   }
   return 0;
@@ -167,6 +262,13 @@ void addCrossCommand(CLI::App& app, int& exit_status) {
       ->allow_extra_args(false)
       ->take_all();
   command->add_option("--csv", options->csv, "A line for every run");
+  command
+      ->add_option("--only", options->only,
+                   "Only this one of the N runs, to see it again; repeatable")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--pictures", options->pictures,
+                      "A folder for pictures: of the runs of --only, else of the first, the "
+                      "slowest, and some with a collision");
   command->add_option("--threads", options->threads)->check(CLI::PositiveNumber);
   command->callback([options, &exit_status] { exit_status = cross(*options); });
 }

@@ -8,6 +8,7 @@
 #include "common/config/experiment.h"
 #include "common/core/agent_tracks.h"
 #include "common/core/laser_scan.h"
+#include "common/core/sensor_data.h"
 #include "common/core/vehicle_state.h"
 #include "sim/pedestrians/pedestrian.h"
 
@@ -25,9 +26,11 @@ class Eyes {
   /// people: the truth, for eyes that cheat.
   virtual void onScan(const core::LaserScan& scan, std::span<const sim::Pedestrian> people) = 0;
   virtual std::optional<core::AgentTracks> takeTracks() = 0;
+  /// What stands still, now and then.
+  virtual std::optional<core::OccupancyMap> takeMap() { return std::nullopt; }
 };
 
-/// The perception process's own core: tracks from the sweeps of the lidar, without images.
+/// The perception process's own core: tracks and map from the sweeps of the lidar, without images.
 std::unique_ptr<Eyes> perceptionEyes(const config::Experiment& experiment,
                                      const std::string& vehicle);
 

@@ -17,6 +17,7 @@ class PerceptionEyes final : public Eyes {
     core_.onScan(scan);
   }
   std::optional<core::AgentTracks> takeTracks() override { return core_.takeTracks(); }
+  std::optional<core::OccupancyMap> takeMap() override { return core_.takeMap(); }
 
  private:
   perception::PerceptionCore core_;

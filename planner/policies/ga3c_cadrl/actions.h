@@ -3,13 +3,9 @@
 #include <array>
 #include <numbers>
 
-namespace roundabout::planner {
+#include "planner/policy.h"
 
-/// One of the actions that GA3C-CADRL chooses from.
-struct DiscreteAction {
-  double speed_fraction = 0.0;      ///< of the preferred speed
-  double heading_change_rad = 0.0;  ///< counter-clockwise
-};
+namespace roundabout::planner {
 
 inline constexpr double kTwelfthTurn_rad = std::numbers::pi / 6.0;
 

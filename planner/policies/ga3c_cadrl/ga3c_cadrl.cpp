@@ -37,6 +37,7 @@ Decision Ga3cCadrl::decide(const core::EgoAgent& ego, const core::Surroundings& 
   decision.action = chosen;
   decision.value = output.value;
   decision.action_probabilities = output.probabilities;
+  decision.actions = kActions;
   decision.neighbours_used = static_cast<int>(observation.others.size());
   return decision;
 }

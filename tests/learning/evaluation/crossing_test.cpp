@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/policies/table.h"
+#include "tests/planner/occupied_cells.h"
 #include "tests/support/startup_error.h"
 
 namespace roundabout::learning {
@@ -78,6 +79,50 @@ TEST(Crossing, GoesRoundWhoStandsInTheWayAndIsTheSameEveryTime) {
   const CrossingResult again = runCrossing(experiment, cast());
   EXPECT_EQ(result.time_s, again.time_s);
   EXPECT_EQ(result.closest_m, again.closest_m);
+}
+
+// Who sees nobody, and knows a wall across the way that nobody else knows.
+class MapEyes final : public Eyes {
+ public:
+  void onFrame(const core::StatesFrame& /*frame*/) override {}
+  void onScan(const core::LaserScan& scan, std::span<const sim::Pedestrian> /*people*/) override {
+    tracks_.emplace().utime = scan.utime;
+    if (!said_) {
+      std::vector<test::CellKey> wall;
+      for (int y = -40; y < 10; ++y) {
+        wall.push_back({0, y});
+      }
+      map_ = test::mapOf(wall);
+      map_->utime = scan.utime;
+      said_ = true;
+    }
+  }
+  std::optional<core::AgentTracks> takeTracks() override {
+    return std::exchange(tracks_, std::nullopt);
+  }
+  std::optional<core::OccupancyMap> takeMap() override { return std::exchange(map_, std::nullopt); }
+
+ private:
+  bool said_ = false;
+  std::optional<core::AgentTracks> tracks_;
+  std::optional<core::OccupancyMap> map_;
+};
+
+TEST(Crossing, GoesRoundWhatTheMapKnows) {
+  CrossingCast knowing = cast();
+  knowing.eyes = [](const config::Experiment&, const std::string&) {
+    return std::make_unique<MapEyes>();
+  };
+  CrossingTrace trace;
+  const CrossingResult result = runCrossing(corridor(), knowing, &trace);
+  EXPECT_TRUE(result.reached);
+  double at_wall_m = -10.0;
+  for (const CrossingTrace::Moment& moment : trace.moments) {
+    if (std::abs(moment.robot_m.x()) < 0.1) {
+      at_wall_m = std::max(at_wall_m, moment.robot_m.y());
+    }
+  }
+  EXPECT_GT(at_wall_m, 1.0 + corridor().vehicles.front().body_radius_m);
 }
 
 TEST(Crossing, IsRefusedWithoutALidarOrAGoal) {

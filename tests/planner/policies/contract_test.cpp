@@ -123,6 +123,10 @@ void expectSound(const Scene& scene, const Decision& decision) {
   EXPECT_GE(*std::min_element(probabilities.begin(), probabilities.end()), 0.0F);
   EXPECT_EQ(decision.action,
             std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin());
+  ASSERT_EQ(decision.actions.size(), probabilities.size());
+  const DiscreteAction& chosen = decision.actions[static_cast<std::size_t>(decision.action)];
+  EXPECT_EQ(decision.speed_mps, chosen.speed_fraction * scene.ego.preferred_speed_mps);
+  EXPECT_EQ(decision.heading_change_rad, chosen.heading_change_rad);
 }
 
 TEST_P(PolicyContract, NameIsTheTables) { EXPECT_EQ(make()->name(), tableName()); }
