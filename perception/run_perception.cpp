@@ -19,6 +19,8 @@ int runPerception(const PerceptionOptions& options, app::Context& context) {
           : makePersonDetector(settings.detector, settings.detector_confidence, experiment.file);
   app::requestRealTimePriority(app::kPlannerPriority);
   bus::LcmBus bus(context.lcm_url);
+  // The bus's own thread is to be on time, those that look at images and keep the map are not.
+  app::keepRealTimePriorityToThisThread();
   PerceptionNode node(experiment, options.vehicle, std::move(detector), bus);
   spdlog::info("{} sees by {} and {} cameras with {} on {}", options.vehicle, settings.clusterer,
                node.core().vehicle().cameras.size(), settings.detector, context.lcm_url);
