@@ -10,17 +10,14 @@ namespace {
 
 constexpr double kWalking_mps = 1.0;
 
-Eigen::Matrix2d noiseOf(double deviation_m) {
-  return deviation_m * deviation_m * Eigen::Matrix2d::Identity();
-}
-
 }  // namespace
 
-PersonFilter::PersonFilter(const Eigen::Vector2d& position_m, double deviation_m) {
+PersonFilter::PersonFilter(const Eigen::Vector2d& position_m,
+                           const Eigen::Matrix2d& covariance_m2) {
   state_ << position_m, 0.0, 0.0;
   covariance_.setZero();
-  covariance_.topLeftCorner<2, 2>() = noiseOf(deviation_m);
-  covariance_.bottomRightCorner<2, 2>() = noiseOf(kWalking_mps);
+  covariance_.topLeftCorner<2, 2>() = covariance_m2;
+  covariance_.bottomRightCorner<2, 2>() = kWalking_mps * kWalking_mps * Eigen::Matrix2d::Identity();
 }
 
 void PersonFilter::predict(double step_s, double acceleration_density) {
@@ -34,19 +31,20 @@ void PersonFilter::predict(double step_s, double acceleration_density) {
   covariance_ = transition * covariance_ * transition.transpose() + acceleration_density * noise;
 }
 
-void PersonFilter::correct(const Eigen::Vector2d& position_m, double deviation_m) {
-  const Eigen::Matrix2d expected = covariance_.topLeftCorner<2, 2>() + noiseOf(deviation_m);
+void PersonFilter::correct(const Eigen::Vector2d& position_m,
+                           const Eigen::Matrix2d& covariance_m2) {
+  const Eigen::Matrix2d expected = covariance_.topLeftCorner<2, 2>() + covariance_m2;
   const Eigen::Matrix<double, 4, 2> gain = covariance_.leftCols<2>() * expected.inverse();
   state_ += gain * (position_m - position());
   // Joseph's form stays symmetric and positive.
   Eigen::Matrix4d left = Eigen::Matrix4d::Identity();
   left.leftCols<2>() -= gain;
-  covariance_ =
-      left * covariance_ * left.transpose() + gain * noiseOf(deviation_m) * gain.transpose();
+  covariance_ = left * covariance_ * left.transpose() + gain * covariance_m2 * gain.transpose();
 }
 
-double PersonFilter::squaredDistance(const Eigen::Vector2d& position_m, double deviation_m) const {
-  const Eigen::Matrix2d expected = covariance_.topLeftCorner<2, 2>() + noiseOf(deviation_m);
+double PersonFilter::squaredDistance(const Eigen::Vector2d& position_m,
+                                     const Eigen::Matrix2d& covariance_m2) const {
+  const Eigen::Matrix2d expected = covariance_.topLeftCorner<2, 2>() + covariance_m2;
   const Eigen::Vector2d error_m = position_m - position();
   return error_m.dot(expected.inverse() * error_m);
 }

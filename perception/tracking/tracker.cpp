@@ -27,6 +27,8 @@ constexpr double kGone = 0.1;
 constexpr double kSeenGain = 0.2;
 // Displacement that furniture's noise does not reach.
 constexpr double kMoved_m = 0.5;
+// So long one leg errs to the same side: scans that follow each other say little new.
+constexpr double kOneLegErrs_s = 0.225;
 // Time constant of shapes and classes.
 constexpr double kSmoothing = 0.05;
 // Furniture is what has not moved for so long.
@@ -63,7 +65,7 @@ void Tracker::update(const ScanPoints& points, std::span<const Detection> detect
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (detection_of[i] != core::kUnassigned) {
       used[detection_of[i]] = true;
-      see(tracks_[i], detections[detection_of[i]], points.utime);
+      see(tracks_[i], detections[detection_of[i]], step_s);
     } else {
       miss(tracks_[i], points, step_s);
     }
@@ -96,7 +98,7 @@ std::vector<std::size_t> Tracker::assign(std::span<const Detection> detections) 
     for (Eigen::Index j = 0; j < columns; ++j) {
       const Track& track = tracks_[static_cast<std::size_t>(j)];
       const double squared =
-          track.filter.squaredDistance(detection.position_m, detection.deviation_m);
+          track.filter.squaredDistance(detection.position_m, detection.covariance_m2);
       const bool near =
           squared < kGate && (detection.position_m - track.filter.position()).norm() < kFarthest_m;
       cost(i, j) = near ? squared + (track.confirmed ? 0.0 : kTentativeCost) : kForbidden;
@@ -107,9 +109,10 @@ std::vector<std::size_t> Tracker::assign(std::span<const Detection> detections) 
   return assignment;
 }
 
-void Tracker::see(Track& track, const Detection& detection, core::Utime utime) {
-  track.filter.correct(detection.position_m, detection.deviation_m);
-  track.last_seen = utime;
+void Tracker::see(Track& track, const Detection& detection, double step_s) {
+  const double repeats = detection.legs == 1 ? std::max(1.0, kOneLegErrs_s / step_s) : 1.0;
+  track.filter.correct(detection.position_m, repeats * detection.covariance_m2);
+  track.last_seen = now_;
   ++track.hits;
   track.existence += kSeenGain * (1.0 - track.existence);
   track.confirmed = track.confirmed || track.existence >= kConfirmed;
@@ -134,7 +137,7 @@ void Tracker::begin(const Detection& detection, core::Utime utime) {
   if (detection.hidden && detection.legs < 2) {
     return;
   }
-  tracks_.push_back({next_id_++, PersonFilter(detection.position_m, detection.deviation_m), utime,
+  tracks_.push_back({next_id_++, PersonFilter(detection.position_m, detection.covariance_m2), utime,
                      utime, detection.position_m});
   tracks_.back().half_width_m = detection.half_width_m;
   tracks_.back().leg_share = detection.legs > 0 ? 1.0 : 0.0;

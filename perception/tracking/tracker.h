@@ -49,7 +49,7 @@ class Tracker {
 
  private:
   std::vector<std::size_t> assign(std::span<const Detection> detections) const;
-  void see(Track& track, const Detection& detection, core::Utime utime);
+  void see(Track& track, const Detection& detection, double step_s);
   void miss(Track& track, const ScanPoints& points, double step_s);
   void begin(const Detection& detection, core::Utime utime);
   bool somebodyNear(const Eigen::Vector2d& position_m, core::Utime utime) const;

@@ -8,6 +8,7 @@
 #include "common/core/random.h"
 #include "perception/clustering/dynamic_means/dynamic_means.h"
 #include "perception/clustering/table.h"
+#include "perception/detection.h"
 #include "tests/perception/crowd.h"
 #include "tests/support/startup_error.h"
 
@@ -81,6 +82,50 @@ TEST_P(EveryClusterer, TakesTwoLegsForOnePersonAndTwoPeopleForTwo) {
 
 TEST_P(EveryClusterer, TakesAnEmptyScan) {
   EXPECT_TRUE(cluster({0, -1.0, 0.01, std::vector<float>(200, 20.0F)}).empty());
+}
+
+/// What a lidar at the origin says of a person with legs in these places.
+Detection personOn(const std::vector<Eigen::Vector2d>& legs_m) {
+  config::Lidar settings;
+  settings.beams = 1080;
+  settings.max_range_m = 10.0;
+  std::vector<sim::Disc> legs;
+  for (const Eigen::Vector2d& leg_m : legs_m) {
+    legs.push_back({leg_m, 0.06});
+  }
+  const auto seen = sim::Lidar(settings).sweep({0.0, 0.0}, 0.0, {legs, {}, nullptr});
+  ScanPoints points;
+  toPoints({1'000'000,
+            seen.first_angle_rad,
+            seen.angle_step_rad,
+            {seen.ranges_m.begin(), seen.ranges_m.end()}},
+           {}, {}, {}, points);
+  std::vector<Segment> segments;
+  findSegments(points, {}, segments);
+  const auto clusterer = makeClusterer("breakpoints", "test");
+  const auto clusters = clusterer->cluster(points, segments, {});
+  EXPECT_EQ(clusters.size(), 1U);
+  return detectionOf(points, segments, clusters[0]);
+}
+
+TEST(Detection, OfTwoLegsIsBetweenThem) {
+  for (const double half_m : {0.07, 0.1, 0.2}) {  // as one segment, and as two
+    const Detection person = personOn({{3.0, half_m}, {3.0, -half_m}});
+    EXPECT_EQ(person.legs, 2) << half_m;
+    EXPECT_LT((person.position_m - Eigen::Vector2d(3.0, 0.0)).norm(), 0.02) << half_m;
+  }
+}
+
+TEST(Detection, OfALegBeforeTheOtherIsFartherThanWhatIsSeenAndLessSureOfItsDepth) {
+  const Detection person = personOn({{3.0, 0.0}, {3.2, 0.0}});
+  EXPECT_EQ(person.legs, 1);
+  EXPECT_LT((person.position_m - Eigen::Vector2d(3.1, 0.0)).norm(), 0.03);
+  EXPECT_GT(person.covariance_m2(0, 0), 1.5 * person.covariance_m2(1, 1));
+  EXPECT_NEAR(person.covariance_m2(0, 1), 0.0, 1e-4);
+  // The same on a bearing of 45 degrees.
+  const Detection turned = personOn({{2.1, 2.1}, {2.25, 2.25}});
+  EXPECT_NEAR(turned.covariance_m2(0, 0), turned.covariance_m2(1, 1), 1e-3);
+  EXPECT_GT(turned.covariance_m2(0, 1), 0.2 * turned.covariance_m2(0, 0));
 }
 
 TEST(ClustererTable, NamesWhatThereIs) {

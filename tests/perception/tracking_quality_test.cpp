@@ -24,5 +24,18 @@ TEST_P(Clusterers, FollowSixPeopleWithinSixMetres) {
   }
 }
 
+TEST(Tracking, FollowsSixPeopleWhoAllWalk) {
+  test::CrowdSettings settings;
+  settings.standing = 0;
+  settings.field_of_view_rad = 2.0 * std::numbers::pi * 1079.0 / 1080.0;
+  ClearMot all(0.5);
+  for (settings.seed = 11; settings.seed <= 13; ++settings.seed) {
+    follow(settings, "breakpoints", 60.0, &all);
+  }
+  say("all walk", all.result());
+  EXPECT_GT(all.result().accuracy, 0.9);
+  EXPECT_LT(all.result().velocity_rms_mps, 0.15);
+}
+
 }  // namespace
 }  // namespace roundabout::perception

@@ -30,7 +30,7 @@ class TrackerTest : public ::testing::Test {
   static Detection at(double x_m, double y_m) {
     Detection detection;
     detection.position_m = {x_m, y_m};
-    detection.deviation_m = 0.05;
+    detection.covariance_m2 = 0.0025 * Eigen::Matrix2d::Identity();
     detection.legs = 2;
     return detection;
   }

@@ -11,7 +11,7 @@ namespace roundabout::perception {
 namespace {
 
 Track trackAt(double x_m, double y_m) {
-  Track track{1, PersonFilter({x_m, y_m}, 0.1), 0, 0, {x_m, y_m}};
+  Track track{1, PersonFilter({x_m, y_m}, 0.01 * Eigen::Matrix2d::Identity()), 0, 0, {x_m, y_m}};
   track.confirmed = true;
   return track;
 }
