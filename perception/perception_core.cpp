@@ -218,11 +218,15 @@ void PerceptionCore::useBoxes(core::Utime now) {
   const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
   while (!looking_.empty() && looking_.front().exposure + delay <= now) {
     const auto boxes = looking_.front().boxes.get();
+    const config::Camera& camera = vehicle_.cameras[looking_.front().camera];
     const std::optional<PlanarPose> pose = poses_.at(looking_.front().exposure);
     if (!boxes) {
       ++rejected_.images;
-    } else if (pose) {
-      fuseBoxes(vehicle_.cameras[looking_.front().camera], *pose, *boxes, finder_.tracker().all());
+    } else {
+      boxes_[camera.name] = *boxes;
+      if (pose) {
+        fuseBoxes(camera, *pose, *boxes, finder_.tracker().all());
+      }
     }
     looking_.pop_front();
   }
@@ -298,6 +302,7 @@ void PerceptionCore::forget() {
   finder_.forget();
   waiting_.clear();
   looking_.clear();
+  boxes_.clear();
   last_used_scan_ = 0;
 }
 
