@@ -6,7 +6,8 @@
 namespace roundabout::mocap_bridge {
 
 /// Judges frames by the system's own numbers. Numbers that are not larger than the last are
-/// refused, unless three in a row grow: then the system was started anew or plays from its start.
+/// refused, unless three of them grow: then the system was started anew or plays from its start.
+/// Between those, packets may come doubled, or overtaken by a few.
 class FrameSequence {
  public:
   enum class Verdict { kNext, kOld, kRestart };
@@ -17,6 +18,9 @@ class FrameSequence {
       lost_ = started_ ? number - last_ - 1 : 0;
       accept(number);
       return Verdict::kNext;
+    }
+    if (agreeing_ > 0 && number <= candidate_ && candidate_ - number < kOvertaken) {
+      return Verdict::kOld;
     }
     const bool grows = agreeing_ > 0 && number > candidate_;
     agreeing_ = grows ? agreeing_ + 1 : 1;
@@ -33,6 +37,7 @@ class FrameSequence {
 
  private:
   static constexpr int kAgreeing = 3;
+  static constexpr std::int64_t kOvertaken = 16;
 
   void accept(std::int64_t number) {
     started_ = true;

@@ -100,5 +100,24 @@ TEST(FrameSequence, NumbersThatBeginAnewAreFollowedAfterThree) {
   EXPECT_EQ(sequence.judge(4), Verdict::kNext);
 }
 
+// Numbers of the last run are 1000; at which of these is the new run believed?
+int restartAt(const std::vector<std::int64_t>& numbers) {
+  FrameSequence sequence;
+  sequence.judge(1000);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (sequence.judge(numbers[i]) == FrameSequence::Verdict::kRestart) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+TEST(FrameSequence, ARestartIsSeenThoughPacketsComeDoubledOrInAnotherOrder) {
+  EXPECT_EQ(restartAt({1, 1, 2, 2, 3, 3}), 4);
+  EXPECT_EQ(restartAt({2, 1, 4, 3, 6, 5}), 4) << "every second one overtaken";
+  EXPECT_EQ(restartAt({1, 3, 2, 2, 4}), 4);
+  EXPECT_EQ(restartAt({500, 1, 2, 3}), 3) << "a straggler is no beginning";
+}
+
 }  // namespace
 }  // namespace roundabout::mocap_bridge
