@@ -27,6 +27,9 @@ double angleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return toRotationVector(a.conjugate() * b).norm();
 }
 
+// Faults of which time does not cure.
+bool isForGood(Verdict fault) { return fault == Verdict::kFlip || fault == Verdict::kSwap; }
+
 }  // namespace
 
 const char* nameOf(Verdict verdict) {
@@ -117,6 +120,7 @@ Verdict BodyTracker::update(core::Utime utime, const MeasuredPose& measured, boo
       expected.take(utime, pose);
       believed_ = expected;
       candidate_.reset();
+      rejected_.reset();
       return note(Verdict::kAccepted);
     }
   }
@@ -136,7 +140,7 @@ Verdict BodyTracker::followCandidate(core::Utime utime, const MeasuredPose& pose
   }
   expected.take(utime, pose);
   candidate_ = expected;
-  const bool never = candidate_fault_ == Verdict::kFlip || candidate_fault_ == Verdict::kSwap;
+  const bool never = isForGood(candidate_fault_);
   const core::Utime needed =
       candidate_fault_ == Verdict::kJump ? kBelieveJumpAfter : settings_.reacquire_us;
   if (never || utime - candidate_->begin < needed || candidate_->measurements < kEnough) {
@@ -144,21 +148,29 @@ Verdict BodyTracker::followCandidate(core::Utime utime, const MeasuredPose& pose
   }
   believed_ = candidate_;
   candidate_.reset();
+  rejected_.reset();
   surprise_ = 0.0;
   return Verdict::kAccepted;
 }
 
 Verdict BodyTracker::beginCandidate(core::Utime utime, const MeasuredPose& pose,
                                     bool others_place) {
+  if (candidate_ && isForGood(candidate_fault_)) {
+    rejected_ = {*candidate_, candidate_fault_, candidate_turn_};
+  }
   candidate_ = begin(utime, pose);
   candidate_fault_ = Verdict::kAcquiring;
-  if (others_place) {
+  if (continuesRejected(utime, pose)) {
+    candidate_fault_ = rejected_->fault;
+    candidate_turn_ = rejected_->turn;
+  } else if (others_place) {
     candidate_fault_ = Verdict::kSwap;
   } else if (believed_ && utime - believed_->last <= kForget && !reachable(utime, pose)) {
     const Track expected = believed_->predicted(utime);
     const double angle_rad = angleBetween(believed_->attitude.orientation(), pose.orientation);
     candidate_fault_ =
         fitOf(expected, pose).place && angle_rad > kFlip_rad ? Verdict::kFlip : Verdict::kJump;
+    candidate_turn_ = expected.attitude.orientation().conjugate() * pose.orientation;
   }
   return candidate_fault_;
 }
@@ -169,6 +181,24 @@ bool BodyTracker::reachable(core::Utime utime, const MeasuredPose& pose) const {
   const double angle_rad = angleBetween(believed_->attitude.orientation(), pose.orientation);
   return distance_m <= settings_.max_speed_mps * passed_s + kPlaceMargin_m &&
          angle_rad <= settings_.max_turn_rate_radps * passed_s + kAngleMargin_rad;
+}
+
+bool BodyTracker::continuesRejected(core::Utime utime, const MeasuredPose& pose) const {
+  if (!rejected_ || !believed_ || utime - believed_->last > kForget) {
+    return false;
+  }
+  const Track seen =
+      rejected_->track.predicted(std::min(utime, rejected_->track.last + settings_.coast_us));
+  if (rejected_->fault == Verdict::kFlip) {
+    const Eigen::Quaterniond flipped = seen.attitude.orientation();
+    const double angle_rad = angleBetween(flipped * rejected_->turn.conjugate(), pose.orientation);
+    return angle_rad > kFlip_rad || angle_rad > angleBetween(flipped, pose.orientation);
+  }
+  const double reach_m =
+      settings_.max_speed_mps * core::toSeconds(utime - rejected_->track.last) + kPlaceMargin_m;
+  const double distance_m = (pose.position_m - seen.position.position()).norm();
+  return distance_m <= reach_m &&
+         distance_m < (pose.position_m - believed_->position.position()).norm();
 }
 
 void BodyTracker::stateAt(core::Utime utime, core::VehicleState& state) const {

@@ -53,7 +53,9 @@ const char* nameOf(Verdict verdict);
 /// own, which replaces the believed one once it has lasted for reacquire_us, if its first pose
 /// could be reached from the believed one in the time since then. A candidate that began with a
 /// jump counts only after a second, and one that began on another vehicle's place or with a flip
-/// never, for as long as its measurements go on without a break.
+/// never. One that begins where such a candidate ended, after a gap or an outlier, is its
+/// continuation: for as long as a flipped one is not seen the right way round again, an exchanged
+/// one not away from where it was, and the believed track is not older than ten seconds.
 class BodyTracker {
  public:
   explicit BodyTracker(const TrackerSettings& settings);
@@ -87,6 +89,11 @@ class BodyTracker {
     Track predicted(core::Utime utime) const;
     void take(core::Utime utime, const MeasuredPose& pose);
   };
+  struct Rejected {
+    Track track;
+    Verdict fault;            // flip or swap
+    Eigen::Quaterniond turn;  // from what was believed to what was seen, in body axes
+  };
   struct Fit {
     bool place = false;
     bool angle = false;
@@ -99,12 +106,15 @@ class BodyTracker {
   Verdict beginCandidate(core::Utime utime, const MeasuredPose& pose, bool others_place);
   Verdict followCandidate(core::Utime utime, const MeasuredPose& pose, bool others_place);
   bool reachable(core::Utime utime, const MeasuredPose& pose) const;
+  bool continuesRejected(core::Utime utime, const MeasuredPose& pose) const;
   Verdict note(Verdict verdict);
 
   TrackerSettings settings_;
   std::optional<Track> believed_;
   std::optional<Track> candidate_;
   Verdict candidate_fault_ = Verdict::kAcquiring;  // how it began
+  Eigen::Quaterniond candidate_turn_ = Eigen::Quaterniond::Identity();
+  std::optional<Rejected> rejected_;  // the last candidate with a flip or swap
   MeasuredPose last_pose_;
   int repeats_ = 0;
   bool in_last_frame_ = false;

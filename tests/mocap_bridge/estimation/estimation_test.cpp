@@ -182,6 +182,65 @@ TEST_F(EstimatorTest, ExchangedBodiesAreNeverPublishedThoughTheyStayExchanged) {
   EXPECT_LT(worst_m_, 0.12);
 }
 
+void exchange(SourceFrame& frame) { std::swap(frame.bodies[0].name, frame.bodies[1].name); }
+
+void hide(SourceFrame& frame) {
+  for (BodyPose& body : frame.bodies) {
+    body.tracked = false;
+  }
+}
+
+void turnRound(SourceFrame& frame) {
+  frame.bodies[0].orientation =
+      frame.bodies[0].orientation * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ());
+}
+
+TEST_F(EstimatorTest, ExchangedBodiesAreNotBelievedAfterAGap) {
+  run(1.0);
+  for (const double gap_s : {0.06, 0.3, 1.0}) {
+    run(2.5, exchange);
+    run(gap_s, hide);
+    run(0.5, exchange);
+    EXPECT_FALSE(state(0).tracked) << gap_s;
+    EXPECT_FALSE(state(1).tracked) << gap_s;
+    EXPECT_LE(untilTracked(0), 0.1) << gap_s;
+    run(0.2);
+    EXPECT_TRUE(state(1).tracked) << gap_s;
+    run(1.0);
+  }
+  EXPECT_LT(worst_m_, 0.12);
+}
+
+TEST_F(EstimatorTest, AFlipIsNotBelievedAfterAGapOrAnOutlier) {
+  const auto away = [](SourceFrame& frame) { frame.bodies[0].position_m.z() += 0.5; };
+  for (const auto& [seconds, interruption] : {std::pair(0.06, Spoil(hide)), {0.02, away}}) {
+    run(1.0);
+    run(1.0, turnRound);
+    run(seconds, interruption);
+    run(1.0, turnRound);
+    run(0.5, hide);
+    run(1.0, turnRound);
+    EXPECT_FALSE(state(0).tracked);
+    step();  // the right way round for a moment only
+    run(0.2, turnRound);
+    EXPECT_FALSE(state(0).tracked);
+    run(0.06, hide);
+    EXPECT_LE(untilTracked(0), 0.1);
+  }
+  EXPECT_LT(worst_rad_, 0.35);
+}
+
+TEST_F(EstimatorTest, AFlipIsForgottenWithTheTrackThatItContradicts) {
+  run(1.0);
+  run(9.0, turnRound);
+  run(0.06, hide);
+  run(0.3, turnRound);
+  EXPECT_FALSE(state(0).tracked);
+  run(1.0, hide);
+  run(0.2, turnRound);
+  EXPECT_TRUE(state(0).tracked);
+}
+
 TEST_F(EstimatorTest, ASwapOfTwoFramesIsCoasted) {
   run(1.0);
   run(0.01, [](SourceFrame& frame) { std::swap(frame.bodies[0].name, frame.bodies[1].name); });
