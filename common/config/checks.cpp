@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/mapped_body.h"
 #include "common/config/obstacles.h"
 #include "common/config/spacing.h"
 #include "common/config/words.h"
@@ -215,6 +216,18 @@ void checkMocap(const Experiment& experiment, const Refuse& refuse) {
       if (bodies[j].vehicle == bodies[i].vehicle) {
         refuse(path + ".vehicle", "one body a vehicle",
                fmt::format("\"{}\", which mocap.bodies[{}] has too", bodies[i].vehicle, j));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const BodyKey key = bodyKeyOf(experiment.mocap, bodies[i].vehicle);
+    for (const Vehicle& vehicle : experiment.vehicles) {
+      const MocapBody* own = mocapBodyOf(experiment.mocap, vehicle.name);
+      const bool said_later = own != nullptr && own > &bodies[i];
+      if (vehicle.name != bodies[i].vehicle && !said_later &&
+          bodyKeyOf(experiment.mocap, vehicle.name) == key) {
+        refuse(fmt::format("mocap.bodies[{}]", i), "a body that is no other vehicle's",
+               fmt::format("{}, which is {}'s", text(key), vehicle.name));
       }
     }
   }

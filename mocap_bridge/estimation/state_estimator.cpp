@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/mapped_body.h"
 #include "common/core/error.h"
 
 namespace roundabout::mocap_bridge {
@@ -52,23 +53,16 @@ StateEstimator::StateEstimator(const config::Experiment& experiment, const std::
       scale_(experiment.mocap.scale),
       accept_recorded_(experiment.mocap.accept_recorded) {
   for (const config::Vehicle& vehicle : experiment.vehicles) {
+    const config::BodyKey key = config::bodyKeyOf(experiment.mocap, vehicle.name);
     Mapping mapping;
-    mapping.body = vehicle.name;
-    for (const config::MocapBody& body : experiment.mocap.bodies) {
-      if (body.vehicle != vehicle.name) {
-        continue;
-      }
-      if (!body.body.empty() || body.id >= 0) {
-        mapping.body = body.body;
-      }
-      mapping.id = body.id;
-      mapping.offset_m = body.offset_m;
-      mapping.rotation = fromRollPitchYaw(body.rotation_rad);
+    mapping.body = key.name;
+    mapping.id = key.id;
+    if (const auto* body = config::mocapBodyOf(experiment.mocap, vehicle.name)) {
+      mapping.offset_m = body->offset_m;
+      mapping.rotation = fromRollPitchYaw(body->rotation_rad);
     }
     settings_.push_back(settingsOf(experiment.mocap.filter, vehicle));
-    const std::string wanted =
-        mapping.body.empty() ? fmt::format("id {}", mapping.id) : mapping.body;
-    vehicles_.push_back({vehicle.name, wanted, false, BodyTracker(settings_.back())});
+    vehicles_.push_back({vehicle.name, text(key), false, BodyTracker(settings_.back())});
     mappings_.push_back(std::move(mapping));
     states_.vehicles.emplace_back().name = vehicle.name;
   }

@@ -626,6 +626,25 @@ TEST(ConfigError, AnErrorOfTheFileIsNotBlamedOnAnOverride) {
             "lab.yaml:3: sim.pacing: expected lockstep or real_time, found \"fast\"");
 }
 
+// ---- motion capture
+
+TEST(ConfigError, OneBodyOfTwoVehicles) {
+  EXPECT_EQ(errorBelow("mocap:\n  bodies:\n  - {vehicle: hex1, body: Hex_1}\n"
+                       "  - {vehicle: hex2, body: Hex_1}\n"),
+            "lab.yaml:5: mocap.bodies[1]: expected a body that is no other vehicle's, found Hex_1, "
+            "which is hex1's");
+  EXPECT_EQ(errorBelow("mocap:\n  bodies:\n  - {vehicle: hex1, id: 4}\n"
+                       "  - {vehicle: hex2, id: 4}\n"),
+            "lab.yaml:5: mocap.bodies[1]: expected a body that is no other vehicle's, found id 4, "
+            "which is hex1's");
+  EXPECT_EQ(errorBelow("mocap:\n  bodies:\n  - {vehicle: hex1, body: hex2}\n"),
+            "lab.yaml:4: mocap.bodies[0]: expected a body that is no other vehicle's, found hex2, "
+            "which is hex2's");
+  EXPECT_EQ(errorBelow("mocap:\n  bodies:\n  - {vehicle: hex1, body: hex2}\n"
+                       "  - {vehicle: hex2, body: hex1}\n"),
+            "no error");
+}
+
 // ---- nothing that a file holds crashes the reader
 
 TEST(ConfigError, DeepNestingAndCyclesAreErrors) {
