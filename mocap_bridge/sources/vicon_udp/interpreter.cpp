@@ -1,12 +1,14 @@
 #include "mocap_bridge/sources/vicon_udp/interpreter.h"
 
+#include <algorithm>
+
 namespace roundabout::mocap_bridge::vicon {
 
 namespace {
 
 constexpr double kMetres = 0.001;
 // Names come off the wire: nobody can make us remember more.
-constexpr std::size_t kMostNames = 1024;
+constexpr std::size_t kMostBodies = 1024;
 
 }  // namespace
 
@@ -61,15 +63,23 @@ void ViconInterpreter::onPacket(const Packet& packet, PacketSink& sink) {
 }
 
 void ViconInterpreter::addBodies() {
+  std::vector<BodyPose>& bodies = assembler_.frame().bodies;
   for (Object& object : block_.objects) {
-    BodyPose& body = assembler_.frame().bodies.emplace_back();
+    // A block that comes twice, or of another frame with the same number.
+    const bool twice = std::any_of(bodies.begin(), bodies.end(),
+                                   [&](const BodyPose& body) { return body.name == object.name; });
+    if (twice || bodies.size() >= kMostBodies) {
+      ++counters_.old_frames;
+      continue;
+    }
+    BodyPose& body = bodies.emplace_back();
     const Eigen::Vector3d translation_mm(object.translation_mm.data());
     body.position_m = kMetres * translation_mm;
     body.orientation = toQuaternion(object.rotation_rad, order_);
     body.tracked =
         !(translation_mm.isZero(0.0) && Eigen::Vector3d(object.rotation_rad.data()).isZero(0.0));
     body.name = std::move(object.name);
-    if (names_.size() < kMostNames) {
+    if (names_.size() < kMostBodies) {
       names_.insert(body.name);
     }
   }

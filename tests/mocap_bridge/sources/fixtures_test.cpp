@@ -161,6 +161,44 @@ TEST(ViconFixtures, ThreeObjects) {
   EXPECT_STRNE(vicon::parseBlock(padded, block), nullptr);
 }
 
+vicon::Block viconBlock(std::uint32_t frame, const std::vector<std::string>& names) {
+  vicon::Block block{frame, {}};
+  for (const std::string& name : names) {
+    block.objects.push_back({name, {1000.0, 2000.0, 3000.0}, {0.1, 0.2, 0.3}});
+  }
+  return block;
+}
+
+TEST(ViconInterpreter, ADoubledBlockAddsNoBodiesAndDelaysNoFrame) {
+  vicon::ViconInterpreter interpreter({});
+  test::Collected heard;
+  for (std::uint32_t frame = 1; frame <= 10; ++frame) {
+    const auto datagram = vicon::writeBlock(viconBlock(frame, {"hex1", "hex2"}));
+    interpreter.onPacket({kNow + 5000 * frame, 0, 0, datagram}, heard);
+    if (frame == 5) {
+      interpreter.onPacket({kNow + 5000 * frame, 0, 0, datagram}, heard);
+    }
+    EXPECT_EQ(heard.frames.size(), frame - (frame == 1 ? 1 : 0)) << "the first waits for its size";
+    for (const SourceFrame& got : heard.frames) {
+      ASSERT_EQ(got.bodies.size(), 2U);
+    }
+  }
+  EXPECT_EQ(interpreter.counters().old_frames, 2);
+}
+
+TEST(ViconInterpreter, ANumberThatStandsStillGathersNothing) {
+  vicon::ViconInterpreter interpreter({});
+  test::Collected heard;
+  for (int i = 0; i < 3000; ++i) {
+    const auto datagram = vicon::writeBlock(viconBlock(7, {"a" + std::to_string(i), "b"}));
+    interpreter.onPacket({kNow + 5000 * i, 0, 0, datagram}, heard);
+  }
+  interpreter.onPacket({kNow + 15'000'000, 0, 0, vicon::writeBlock(viconBlock(8, {"b"}))}, heard);
+  ASSERT_FALSE(heard.frames.empty());
+  EXPECT_LE(heard.frames.front().bodies.size(), 1024U);
+  EXPECT_GT(interpreter.counters().old_frames, 3000);
+}
+
 TEST(ViconRotation, OrdersDifferAndAngleZeroIsNone) {
   using vicon::RotationOrder;
   const std::array<double, 3> angles{0.3, 0.5, -0.2};
