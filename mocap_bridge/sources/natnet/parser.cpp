@@ -49,10 +49,14 @@ RigidBody readBody(Cursor& cursor, Version version) {
   return body;
 }
 
+enum class Items { kOfOneSize, kOfAnySize };
+
 // One section of a frame: its count, from 4.1 on its size, its items. Items of a version newer than
-// the known ones may be longer: where they are all of one size, the next begins where that says.
+// the known ones may be longer: where they are all of one size, the next begins where that says;
+// others, of which only their number is kept, are left out.
 template <class ReadItem>
-int readSection(Cursor& cursor, Version version, std::size_t least_item_bytes, ReadItem read_item) {
+int readSection(Cursor& cursor, Version version, Items items, std::size_t least_item_bytes,
+                ReadItem read_item) {
   const auto claimed = cursor.read<std::int32_t>();
   const std::size_t bytes = hasSizes(version) ? cursor.read<std::uint32_t>() : cursor.remaining();
   if (claimed < 0 || bytes > cursor.remaining() ||
@@ -63,6 +67,10 @@ int readSection(Cursor& cursor, Version version, std::size_t least_item_bytes, R
   const auto count = static_cast<std::size_t>(claimed);
   const std::size_t begin = cursor.position();
   const bool newer = version > kNewestKnown;
+  if (newer && items == Items::kOfAnySize) {
+    cursor.skip(bytes);
+    return claimed;
+  }
   const std::size_t stride = newer && count > 0 && bytes % count == 0 ? bytes / count : 0;
   const auto skip_to = [&](std::size_t position) {
     if (!cursor.failed() && position > cursor.position()) {
@@ -83,20 +91,20 @@ int readSection(Cursor& cursor, Version version, std::size_t least_item_bytes, R
 }
 
 void readMarkerSets(Cursor& cursor, Version version, Frame& frame) {
-  frame.marker_sets = readSection(cursor, version, 1 + 4, [&] {
+  frame.marker_sets = readSection(cursor, version, Items::kOfAnySize, 1 + 4, [&] {
     cursor.readText();
     cursor.skip(cursor.readCount(kVectorBytes) * kVectorBytes);
   });
-  frame.other_markers =
-      readSection(cursor, version, kVectorBytes, [&] { cursor.skip(kVectorBytes); });
+  frame.other_markers = readSection(cursor, version, Items::kOfOneSize, kVectorBytes,
+                                    [&] { cursor.skip(kVectorBytes); });
 }
 
 void readBodies(Cursor& cursor, Version version, Frame& frame) {
   frame.bodies.clear();
-  readSection(cursor, version, leastBodyBytes(version),
+  readSection(cursor, version, Items::kOfOneSize, leastBodyBytes(version),
               [&] { frame.bodies.push_back(readBody(cursor, version)); });
   if (version >= Version{2, 1}) {
-    frame.skeletons = readSection(cursor, version, 4 + 4, [&] {
+    frame.skeletons = readSection(cursor, version, Items::kOfAnySize, 4 + 4, [&] {
       cursor.skip(4);
       const std::size_t bones = cursor.readCount(leastBodyBytes(version));
       for (std::size_t i = 0; i < bones && !cursor.failed(); ++i) {
@@ -105,7 +113,7 @@ void readBodies(Cursor& cursor, Version version, Frame& frame) {
     });
   }
   if (version >= Version{4, 1}) {
-    frame.assets = readSection(cursor, version, 4 + 4 + 4, [&] {
+    frame.assets = readSection(cursor, version, Items::kOfAnySize, 4 + 4 + 4, [&] {
       cursor.skip(4);
       cursor.skip(cursor.readCount(leastBodyBytes(version)) * leastBodyBytes(version));
       cursor.skip(cursor.readCount(labeledMarkerBytes(version)) * labeledMarkerBytes(version));
@@ -124,13 +132,16 @@ void readAnalog(Cursor& cursor) {
 void readOtherSections(Cursor& cursor, Version version, Frame& frame) {
   if (version >= Version{2, 3}) {
     const std::size_t bytes = labeledMarkerBytes(version);
-    frame.labeled_markers = readSection(cursor, version, bytes, [&] { cursor.skip(bytes); });
+    frame.labeled_markers =
+        readSection(cursor, version, Items::kOfOneSize, bytes, [&] { cursor.skip(bytes); });
   }
   if (version >= Version{2, 9}) {
-    frame.force_plates = readSection(cursor, version, 4 + 4, [&] { readAnalog(cursor); });
+    frame.force_plates =
+        readSection(cursor, version, Items::kOfAnySize, 4 + 4, [&] { readAnalog(cursor); });
   }
   if (version >= Version{2, 11}) {
-    frame.devices = readSection(cursor, version, 4 + 4, [&] { readAnalog(cursor); });
+    frame.devices =
+        readSection(cursor, version, Items::kOfAnySize, 4 + 4, [&] { readAnalog(cursor); });
   }
 }
 

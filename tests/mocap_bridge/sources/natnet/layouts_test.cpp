@@ -17,9 +17,23 @@ class Layout {
   explicit Layout(Version version) : v_(version) {}
 
   std::vector<std::byte> frame() const {
+    return frame({markerSet("hexA", 3), markerSet("all", 4)});
+  }
+
+  // As Motive sends it of drones with four markers each: a set for each, and one of them all.
+  std::vector<std::byte> frameOfDrones(int count) const {
+    Items sets;
+    for (int i = 1; i <= count; ++i) {
+      sets.push_back(markerSet(("Hex_" + std::to_string(i)).c_str(), 4));
+    }
+    sets.push_back(markerSet("all", 4 * count));
+    return frame(sets);
+  }
+
+  std::vector<std::byte> frame(const Items& marker_sets) const {
     Writer out;
     out.put<std::int32_t>(4242);
-    section(out, {markerSet("hexA", 3), markerSet("all", 4)});
+    section(out, marker_sets);
     section(out, {floats(3, 9.0F), floats(3, 8.0F)});  // other markers
     section(out, {body(7, 1.25F, true, 4), body(11, -3.5F, false, 0)});
     if (v_ >= Version{2, 1}) {
@@ -301,6 +315,19 @@ TEST_P(NatnetLayouts, FramesAreReadToTheLastByte) {
   if (version >= Version{4, 1}) {
     EXPECT_EQ(frame.precision_s, 99U);
     EXPECT_EQ(frame.precision_fraction, 1234U);
+  }
+}
+
+TEST(NatnetLayout, SectionsWhoseItemsDifferAreReadOfANewerVersion) {
+  constexpr Version kNewer{4, 3};
+  for (int drones = 1; drones <= 12; ++drones) {
+    Frame frame;
+    EXPECT_STREQ(parseFrame(Layout(kNewer).frameOfDrones(drones), kNewer, frame), nullptr)
+        << drones;
+    EXPECT_EQ(frame.marker_sets, drones + 1);
+    EXPECT_EQ(frame.bodies.size(), 2U);
+    EXPECT_EQ(frame.labeled_markers, 3);
+    EXPECT_EQ(frame.transmit_ticks, 333U);
   }
 }
 
