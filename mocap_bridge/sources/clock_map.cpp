@@ -12,6 +12,8 @@ constexpr double kSlew = 1e-3;  // s of correction in a second
 constexpr double kStep_s = 0.02;
 // Two crystals do not come apart so far: the other clock was set, or its machine restarted.
 constexpr double kOtherEpoch_s = 0.25;
+constexpr core::Utime kLateForGood = core::kMicrosPerSecond;
+constexpr core::Utime kLateGap = kLateForGood / 4;
 constexpr int kEnoughForSkew = 4;
 
 }  // namespace
@@ -35,9 +37,14 @@ void ClockMap::add(double remote_s, core::Utime local, std::optional<double> bad
   const double since_s = core::toSeconds(local - origin_local_);
   const double remote = remote_s - origin_remote_s_;
   const double offset_s = since_s - remote;
-  const double expected_s = anchor_offset_s_ + skew_ * (remote - anchor_remote_s_);
-  if (samples_ > 0 && std::abs(offset_s - expected_s) > kOtherEpoch_s &&
-      (badness_s || offset_s < expected_s || offset_s > expected_s + 1.0)) {
+  const double late_s = offset_s - anchor_offset_s_ - skew_ * (remote - anchor_remote_s_);
+  last_local_ = local;
+  if (ready() && !badness_s && late_s > kStep_s) {
+    addLate(remote_s, local, late_s);
+    return;
+  }
+  late_.reset();
+  if (samples_ > 0 && (badness_s ? std::abs(late_s) : -late_s) > kOtherEpoch_s) {
     reset();
     add(remote_s, local, badness_s);
     return;
@@ -50,6 +57,22 @@ void ClockMap::add(double remote_s, core::Utime local, std::optional<double> bad
   }
   ++samples_;
   fit(remote);
+}
+
+void ClockMap::addLate(double remote_s, core::Utime local, double late_s) {
+  if (!late_ || local - late_->last > kLateGap) {
+    late_ = {local, local, late_s, remote_s, local};
+  }
+  late_->last = local;
+  if (late_s <= late_->least_s) {
+    late_ = {late_->first, local, late_s, remote_s, local};
+  }
+  if (local - late_->first >= kLateForGood) {
+    const LateRow row = *late_;
+    reset();
+    addArrival(row.remote_s, row.local);
+    addArrival(remote_s, local);
+  }
 }
 
 void ClockMap::fit(double remote_s) {

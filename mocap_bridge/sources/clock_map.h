@@ -11,7 +11,9 @@ namespace roundabout::mocap_bridge {
 /// of unknown size. In every second the reading with the smallest delay counts; a line through
 /// those of the last 16 s gives offset and skew (at most 500 ppm). The map moves by at most 1 ms a
 /// second, so that intervals between mapped stamps stay those of the other clock; an offset that is
-/// wrong by more than 20 ms is corrected at once.
+/// wrong by more than 20 ms is corrected at once. Arrivals that are later than that were held up:
+/// nothing is learned from them, unless all of a second are, for then the other clock stood still
+/// or was set back.
 class ClockMap {
  public:
   /// Readings of one moment: the other clock when it answered, the local one at the middle between
@@ -25,6 +27,8 @@ class ClockMap {
   core::Utime toLocal(double remote_s) const;
   /// Relative rate of the clocks, local seconds for a second of the other, minus one.
   double skew() const { return skew_; }
+  /// us between the first and the last reading.
+  core::Utime span() const { return samples_ == 0 ? 0 : last_local_ - origin_local_; }
   void reset() { *this = ClockMap(); }
 
  private:
@@ -38,11 +42,23 @@ class ClockMap {
     std::int64_t second = -1;
   };
 
+  /// A row of late arrivals and the least late among them.
+  struct LateRow {
+    core::Utime first = 0;
+    core::Utime last = 0;
+    double least_s = 0.0;
+    double remote_s = 0.0;
+    core::Utime local = 0;
+  };
+
+  void addLate(double remote_s, core::Utime local, double late_s);
   void add(double remote_s, core::Utime local, std::optional<double> badness_s);
   void fit(double remote_s);
 
   double origin_remote_s_ = 0.0;
   core::Utime origin_local_ = 0;
+  core::Utime last_local_ = 0;
+  std::optional<LateRow> late_;
   std::array<Bucket, kBuckets> buckets_;
   int samples_ = 0;
   double anchor_remote_s_ = 0.0;

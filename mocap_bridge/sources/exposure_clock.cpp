@@ -1,5 +1,8 @@
 #include "mocap_bridge/sources/exposure_clock.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace roundabout::mocap_bridge {
 
 namespace {
@@ -7,15 +10,22 @@ namespace {
 constexpr core::Utime kOldest = core::kMicrosPerSecond;
 // What clocks may be wrong by.
 constexpr core::Utime kAhead = 2'000;
+constexpr core::Utime kLearn = core::kMicrosPerSecond / 5;
+// No clock shows more; microseconds of it can be added without overflow.
+constexpr double kLargest_s = 1e11;
 
 }  // namespace
+
+bool ExposureClock::possible(double stamp_s) { return std::abs(stamp_s) <= kLargest_s; }
 
 core::Utime ExposureClock::mapped(const Stamps& stamps, core::Utime received) const {
   const double sent_s = *(stamps.sent_s ? stamps.sent_s : stamps.exposure_s);
   const bool echoes = echo_.ready();
   core::Utime sent = received;
-  if (echoes || arrivals_.ready()) {
-    sent = (echoes ? echo_ : arrivals_).toLocal(sent_s);
+  if (echoes) {
+    sent = echo_.toLocal(sent_s);
+  } else if (arrivals_.ready()) {
+    sent = std::min(received, arrivals_.toLocal(sent_s));
   }
   if (stamps.exposure_s && stamps.sent_s) {
     return sent - core::toUtime(*stamps.sent_s - *stamps.exposure_s);
@@ -27,13 +37,14 @@ std::optional<core::Utime> ExposureClock::exposureOf(const Stamps& stamps, core:
   if (!stamps.sent_s && !stamps.exposure_s) {
     return received - latency_;
   }
-  arrivals_.addArrival(*(stamps.sent_s ? stamps.sent_s : stamps.exposure_s), received);
-  const core::Utime exposure = mapped(stamps, received);
-  if (exposure > received + kAhead || exposure < received - kOldest) {
-    reset();
+  if (!possible(stamps.sent_s.value_or(0.0)) || !possible(stamps.exposure_s.value_or(0.0))) {
     return std::nullopt;
   }
-  return exposure;
+  arrivals_.addArrival(*(stamps.sent_s ? stamps.sent_s : stamps.exposure_s), received);
+  learning_ = learning_ && arrivals_.span() < kLearn && !echo_.ready();
+  const core::Utime exposure = mapped(stamps, received);
+  const bool believable = exposure <= received + kAhead && exposure >= received - kOldest;
+  return believable && !learning_ ? std::optional(exposure) : std::nullopt;
 }
 
 }  // namespace roundabout::mocap_bridge

@@ -21,24 +21,31 @@ class ExposureClock {
 
   /// See ClockMap::addEcho; only where the system answers echoes on the clock of the stamps.
   void addEcho(double remote_s, core::Utime local_middle, double round_trip_s) {
-    echo_.addEcho(remote_s, local_middle, round_trip_s);
+    if (possible(remote_s)) {
+      echo_.addEcho(remote_s, local_middle, round_trip_s);
+    }
   }
 
-  /// Nothing if the stamps cannot be true: later than the arrival, or more than a second before it.
-  /// What was learned of the clock is then forgotten. Without any stamp: arrival minus latency.
+  /// Nothing if the stamps cannot be true: later than the arrival, or more than a second before it,
+  /// as those of a backlog that was not read in time. Nothing either for 0.2 s after a reset, since
+  /// what arrives then may be a backlog. Without any stamp: arrival minus latency.
   std::optional<core::Utime> exposureOf(const Stamps& stamps, core::Utime received);
 
+  /// The other clock is another one from now on.
   void reset() {
+    learning_ = learning_ || arrivals_.span() > 0;
     echo_.reset();
     arrivals_.reset();
   }
 
  private:
+  static bool possible(double stamp_s);
   core::Utime mapped(const Stamps& stamps, core::Utime received) const;
 
   core::Utime latency_;
   ClockMap echo_;
   ClockMap arrivals_;
+  bool learning_ = false;  // after a reset
 };
 
 }  // namespace roundabout::mocap_bridge

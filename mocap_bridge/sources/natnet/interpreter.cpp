@@ -170,15 +170,16 @@ const char* NatnetInterpreter::onResponse(Bytes payload, PacketFacts& facts) {
 }
 
 void NatnetInterpreter::addEcho(const EchoResponse& echo, core::Utime received) {
-  const auto asked = static_cast<core::Utime>(echo.client_stamp);
-  const core::Utime round_trip = received - asked;
-  if (!server_ || server_->tick_frequency_hz == 0 || round_trip < 0 ||
-      round_trip > core::kMicrosPerSecond) {
+  const auto now = static_cast<std::uint64_t>(received);
+  const std::uint64_t round_trip_us = now - echo.client_stamp;
+  if (!server_ || server_->tick_frequency_hz == 0 || echo.client_stamp > now ||
+      round_trip_us > core::kMicrosPerSecond) {
     return;  // of a question that nobody remembers
   }
+  const auto round_trip = static_cast<core::Utime>(round_trip_us);
   const double remote_s =
       static_cast<double>(echo.server_ticks) / static_cast<double>(server_->tick_frequency_hz);
-  clock_.addEcho(remote_s, asked + round_trip / 2, core::toSeconds(round_trip));
+  clock_.addEcho(remote_s, received - round_trip / 2, core::toSeconds(round_trip));
 }
 
 const char* NatnetInterpreter::onFrame(const Packet& packet, Bytes payload, PacketSink& sink) {

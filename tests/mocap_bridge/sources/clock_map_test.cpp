@@ -73,6 +73,99 @@ TEST(ExposureClock, RefusesExposuresInTheFuture) {
   EXPECT_FALSE(clock.exposureOf({2.0, 10.055}, kEpoch + 55'000)) << "eight seconds ago";
 }
 
+/// A server whose frames of 200 Hz are exposed 4 ms before they leave and 300 us later are here.
+class StalledClock : public testing::Test {
+ protected:
+  void receive(int frame, core::Utime received) {
+    const core::Utime sent = kEpoch + frame * 5000;
+    const double sent_s = remoteAt(sent - set_back_);
+    if (const auto exposure = clock_.exposureOf({sent_s - 0.004, sent_s}, received)) {
+      ++published_;
+      worst_us_ = std::max(worst_us_, std::abs(*exposure - (sent - 4000)));
+    }
+  }
+  void live(int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      receive(i, kEpoch + i * 5000 + 300);
+      if (echoes_ && i % 50 == 0) {
+        clock_.addEcho(remoteAt(kEpoch + i * 5000), kEpoch + i * 5000, 0.0004);
+      }
+    }
+  }
+  // Nothing is read from that frame on for 8 s; the socket keeps the first 218.
+  void stall(int first) {
+    for (int i = 0; i < 218; ++i) {
+      receive(first + i, kEpoch + (first + 1600) * 5000 + 10 * i);
+    }
+  }
+
+  ExposureClock clock_{0.005};
+  bool echoes_ = false;
+  core::Utime set_back_ = 0;
+  int published_ = 0;
+  core::Utime worst_us_ = 0;
+};
+
+TEST_F(StalledClock, ABacklogIsRefusedAndWhatComesAfterItIsRight) {
+  for (const bool echoes : {false, true}) {
+    echoes_ = echoes;
+    clock_ = ExposureClock(0.005);
+    live(0, 4000);
+    published_ = 0;
+    stall(4000);
+    EXPECT_EQ(published_, 0);
+    live(5601, 200);
+    EXPECT_EQ(published_, 200) << "what was known of the clock is still known";
+    EXPECT_LT(worst_us_, 1000);
+  }
+}
+
+TEST_F(StalledClock, ABacklogAfterARestartTeachesNothing) {
+  live(0, 400);
+  clock_.reset();
+  published_ = 0;
+  stall(400);
+  EXPECT_EQ(published_, 0);
+  live(2001, 400);
+  EXPECT_GT(published_, 340);
+  EXPECT_LT(worst_us_, 1000);
+}
+
+TEST_F(StalledClock, AClockThatWasSetBackIsFollowed) {
+  live(0, 4000);
+  set_back_ = 100 * core::kMicrosPerSecond;
+  live(4000, 400);
+  published_ = 0;
+  live(4400, 200);
+  EXPECT_EQ(published_, 200);
+  EXPECT_LT(worst_us_, 5000) << "also of the frames between";
+}
+
+TEST_F(StalledClock, NumbersThatPausedGiveStaleStampsForASecondOnly) {
+  for (const core::Utime pause : {30'000, 500'000}) {
+    clock_ = ExposureClock(0.005);
+    set_back_ = 0;
+    live(0, 4000);
+    set_back_ = pause;
+    live(4000, 220);
+    worst_us_ = 0;
+    live(4220, 400);
+    EXPECT_LT(worst_us_, 1000) << pause;
+  }
+}
+
+TEST(ExposureClock, StampsThatNoClockShowsAreRefused) {
+  ExposureClock clock(0.005);
+  for (int i = 0; i < 10; ++i) {
+    clock.exposureOf({{}, 10.0 + 0.005 * i}, kEpoch + i * 5000);
+  }
+  for (const double hostile : {1e300, -1e300, 1e13, std::nan("")}) {
+    EXPECT_FALSE(clock.exposureOf({{}, hostile}, kEpoch + 50'000));
+    EXPECT_FALSE(clock.exposureOf({hostile, 10.05}, kEpoch + 50'000));
+  }
+  EXPECT_TRUE(clock.exposureOf({{}, 10.05}, kEpoch + 50'000));
+}
+
 TEST(ExposureClock, WithoutStampsTheLatencyIsWhatTheFileSays) {
   ExposureClock clock(0.007);
   EXPECT_EQ(clock.exposureOf({}, kEpoch), kEpoch - 7000);
