@@ -35,6 +35,7 @@ ServerInfo infoOf(const EmulatorSettings& settings) {
 
 NatnetEmulator::NatnetEmulator(const EmulatorSettings& settings)
     : info_(infoOf(settings)),
+      bitstream_(info_.version),
       rate_hz_(settings.rate_hz),
       command_("NatNet command port",
                {resolveAddress("--address", settings.address),
@@ -79,7 +80,7 @@ void NatnetEmulator::answer(const UdpSocket::Received& request, core::Utime now)
       clients_.erase(client);
       break;
     case MessageId::kRequestModelDef:
-      command_.send(request.from, writeModelDef(models_, info_.version));
+      command_.send(request.from, writeModelDef(models_, bitstream_));
       break;
     case MessageId::kEchoRequest:
       command_.send(request.from, writeEchoResponse({cursor.read<std::uint64_t>(), ticksOf(now)}));
@@ -101,8 +102,8 @@ void NatnetEmulator::answerText(const Endpoint& client, std::string_view text) {
     number.put<std::int32_t>(0);
     command_.send(client, writeMessage(MessageId::kResponse, number.bytes()));
   } else if (text == "Bitstream") {
-    command_.send(client, writeText(MessageId::kResponse,
-                                    "Bitstream," + natnet::text(info_.version) + ".0.0"));
+    command_.send(
+        client, writeText(MessageId::kResponse, "Bitstream," + natnet::text(bitstream_) + ".0.0"));
   } else {
     command_.send(client, writeMessage(MessageId::kUnrecognizedRequest));
   }
@@ -144,7 +145,7 @@ void NatnetEmulator::send(const SourceFrame& frame, core::Utime now) {
   frame_.transmit_ticks = ticksOf(now);
   frame_.params = static_cast<std::uint16_t>((frame.recorded ? Frame::kEditMode : 0) |
                                              (models_changed_ ? Frame::kModelListChanged : 0));
-  const Datagram datagram = writeFrame(frame_, info_.version);
+  const Datagram datagram = writeFrame(frame_, bitstream_);
   if (info_.multicast) {
     data_.send({info_.group, info_.data_port}, datagram);
     return;

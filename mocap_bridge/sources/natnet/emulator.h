@@ -19,6 +19,9 @@ class NatnetEmulator final : public Emulator {
   void poll(core::Utime now) override;
   void send(const SourceFrame& frame, core::Utime now) override;
   void addDescriptors(std::vector<pollfd>& descriptors) const override;
+  /// Frames and definitions are of that version from now on, as if another client had asked for it;
+  /// the answer to "Bitstream" says so, the server info does not.
+  void changeBitstream(Version version) { bitstream_ = version; }
   int commandPort() const override { return command_.port(); }
 
  private:
@@ -27,6 +30,7 @@ class NatnetEmulator final : public Emulator {
   void learnModels(const SourceFrame& frame);
 
   ServerInfo info_;
+  Version bitstream_;
   double rate_hz_;
   UdpSocket command_;
   UdpSocket data_;

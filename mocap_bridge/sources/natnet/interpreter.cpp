@@ -1,5 +1,6 @@
 #include "mocap_bridge/sources/natnet/interpreter.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>
@@ -7,6 +8,9 @@
 namespace roundabout::mocap_bridge::natnet {
 
 namespace {
+
+// So many frames in a row that are not what the version says are of another bit stream.
+constexpr int kManyBroken = 10;
 
 std::string dotted(const std::array<std::uint8_t, 4>& version) {
   return fmt::format("{}.{}.{}.{}", version[0], version[1], version[2], version[3]);
@@ -71,6 +75,7 @@ void NatnetInterpreter::onPacket(const Packet& packet, PacketSink& sink) {
   ++counters_.packets;
   last_message_.reset();
   last_frame_ok_ = false;
+  last_error_ = nullptr;
   PacketFacts facts;
   const auto message = parseMessage(packet.payload);
   if (!message) {
@@ -108,6 +113,7 @@ void NatnetInterpreter::onPacket(const Packet& packet, PacketSink& sink) {
         break;
     }
   }
+  last_error_ = facts.error;
   counters_.malformed += facts.error != nullptr ? 1 : 0;
   sink.onPacket(facts);
 }
@@ -120,9 +126,10 @@ const char* NatnetInterpreter::onServerInfo(Bytes payload, PacketFacts& facts) {
   const bool another = !server_ || server_->version != info.version ||
                        server_->tick_frequency_hz != info.tick_frequency_hz;
   if (another) {
+    restart();
+  }
+  if (another || broken_frames_ >= kManyBroken) {
     version_ = info.version;
-    clock_.reset();
-    needs_models_ = true;
   }
   server_ = info;
   facts.facts = {{"application", info.name + " " + dotted(info.application_version)},
@@ -133,6 +140,13 @@ const char* NatnetInterpreter::onServerInfo(Bytes payload, PacketFacts& facts) {
     facts.facts.emplace_back("transport", info.multicast ? "multicast" : "unicast");
   }
   return nullptr;
+}
+
+// The server, or the numbers of its frames, began anew.
+void NatnetInterpreter::restart() {
+  clock_.reset();
+  needs_models_ = true;
+  server_rate_hz_.reset();
 }
 
 const char* NatnetInterpreter::onModels(Bytes payload, PacketFacts& facts) {
@@ -157,10 +171,11 @@ const char* NatnetInterpreter::onResponse(Bytes payload, PacketFacts& facts) {
   if (const auto version = parseBitstream(payload)) {
     version_ = version;
     bitstream_changed_ = false;
+    broken_frames_ = 0;
     facts.facts = {{"bitstream", text(*version)}};
   } else if (const auto value = parseFloatResponse(payload)) {
-    if (*value >= 1.0F && *value <= 2000.0F && settings_.rate_hz == 0.0) {
-      settings_.rate_hz = static_cast<double>(*value);  // the answer to "FrameRate"
+    if (*value >= 1.0F && *value <= 2000.0F) {
+      server_rate_hz_ = static_cast<double>(*value);  // the answer to "FrameRate"
     }
     facts.facts = {{"as_float", fmt::format("{}", *value)}};
   } else {
@@ -187,15 +202,17 @@ const char* NatnetInterpreter::onFrame(const Packet& packet, Bytes payload, Pack
     return "no server has said its version yet, and none was given";
   }
   if (const char* reason = parseFrame(payload, *version_, frame_)) {
+    broken_frames_ = std::min(broken_frames_ + 1, kManyBroken);
+    bitstream_changed_ = bitstream_changed_ || broken_frames_ == kManyBroken;
     return reason;
   }
+  broken_frames_ = 0;
   bool restarted = false;
   if (!admits(frame_.number, restarted)) {
     return nullptr;
   }
   if (restarted) {
-    clock_.reset();
-    needs_models_ = true;
+    restart();
   }
   last_frame_ok_ = true;
   needs_models_ = needs_models_ || frame_.has(Frame::kModelListChanged);
@@ -225,8 +242,10 @@ std::optional<core::Utime> NatnetInterpreter::exposureOf(core::Utime received) {
     }
   } else if (std::isfinite(frame_.timestamp_s)) {
     stamps.sent_s = frame_.timestamp_s;
-  } else if (settings_.rate_hz > 0.0) {
-    stamps.sent_s = static_cast<double>(frame_.number) / settings_.rate_hz;
+  } else if (const double rate_hz =
+                 settings_.rate_hz > 0.0 ? settings_.rate_hz : server_rate_hz_.value_or(0.0);
+             rate_hz > 0.0) {
+    stamps.sent_s = static_cast<double>(frame_.number) / rate_hz;
   }
   return clock_.exposureOf(stamps, received);
 }

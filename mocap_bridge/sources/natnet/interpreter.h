@@ -14,7 +14,7 @@ class NatnetInterpreter final : public Interpreter {
   struct Settings {
     std::optional<Version> version;  ///< until a server says another
     double latency_s = 0.005;        ///< exposure to arrival, for servers before 3.0
-    double rate_hz = 0.0;            ///< for frames without any stamp; 0: not known
+    double rate_hz = 0.0;            ///< for frames without any stamp; 0: the server's
   };
 
   explicit NatnetInterpreter(const Settings& settings);
@@ -29,10 +29,15 @@ class NatnetInterpreter final : public Interpreter {
   /// What the session has to know of the last packet.
   std::optional<MessageId> lastMessage() const { return last_message_; }
   bool lastWasFrame() const { return last_frame_ok_; }
+  /// Why it could not be understood, or nullptr.
+  const char* lastError() const { return last_error_; }
 
   /// The list of models is not known, has changed, or lacks a body that is streamed.
   bool needsModels() const { return needs_models_; }
-  /// The server sends another bit stream from now on: ask which.
+  /// Numbers alone say when frames were exposed where neither they nor the file have more: ask for
+  /// "FrameRate".
+  bool needsRate() const { return settings_.rate_hz == 0.0 && !server_rate_hz_; }
+  /// The server sends another bit stream from now on, or seems to: ask which.
   bool bitstreamChanged() const { return bitstream_changed_; }
   /// An answer to our own echo request.
   void addEcho(const EchoResponse& echo, core::Utime received);
@@ -43,6 +48,7 @@ class NatnetInterpreter final : public Interpreter {
   const char* onResponse(Bytes payload, PacketFacts& facts);
   const char* onFrame(const Packet& packet, Bytes payload, PacketSink& sink);
   std::optional<core::Utime> exposureOf(core::Utime received);
+  void restart();
   void fillBodies();
   void fillStamps();
 
@@ -51,6 +57,9 @@ class NatnetInterpreter final : public Interpreter {
   std::optional<Version> version_;
   std::optional<MessageId> last_message_;
   bool last_frame_ok_ = false;
+  const char* last_error_ = nullptr;
+  int broken_frames_ = 0;  // in a row
+  std::optional<double> server_rate_hz_;
   bool needs_models_ = true;
   bool bitstream_changed_ = false;
   std::map<std::int32_t, std::string> names_;

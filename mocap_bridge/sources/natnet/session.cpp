@@ -66,7 +66,7 @@ SourceStatus NatnetSession::status() const {
   status.counters = interpreter_.counters();
   status.counters.wrong_sender = wrong_sender_;
   status.bodies = interpreter_.bodies();
-  status.connected = last_answer_ != 0;
+  status.connected = connected_;
   if (const auto& server = interpreter_.server()) {
     const auto& version = server->application_version;
     status.server =
@@ -91,14 +91,16 @@ void NatnetSession::receive(UdpSocket& socket, core::Utime now, PacketSink& sink
 
 void NatnetSession::onDatagram(const UdpSocket::Received& datagram, std::uint16_t to_port,
                                core::Utime now, PacketSink& sink) {
-  const auto message = parseMessage(datagram.payload);
-  if (searching_ && message && message->id == MessageId::kServerInfo) {
+  if (searching_ && findsServer(datagram)) {
     searching_ = false;
     server_.address = datagram.from.address;
     notes_.say("found a NatNet server at " + text(server_));
   }
   if (datagram.from.address != server_.address) {
     ++wrong_sender_;
+    if (searching_) {
+      return;
+    }
     notes_.once("wrong_sender",
                 fmt::format("NatNet packets from {} are not looked at: the server "
                             "is {} (mocap.server)",
@@ -113,7 +115,7 @@ void NatnetSession::onDatagram(const UdpSocket::Received& datagram, std::uint16_
   const std::int64_t restarts = interpreter_.counters().restarts;
   interpreter_.onPacket(packet, sink);
   if (interpreter_.counters().malformed > malformed) {
-    notes_.once("malformed", "a NatNet packet could not be understood; further ones are counted");
+    onBroken(now);
     return;
   }
   if (interpreter_.counters().restarts > restarts) {
@@ -125,12 +127,32 @@ void NatnetSession::onDatagram(const UdpSocket::Received& datagram, std::uint16_
   } else if (interpreter_.lastMessage() == MessageId::kServerInfo) {
     onServerInfo(now);
   } else if (interpreter_.lastMessage() == MessageId::kEchoResponse &&
-             parseEchoResponse(message->payload, echo) == nullptr) {
+             parseEchoResponse(parseMessage(datagram.payload)->payload, echo) == nullptr) {
     noteAnswer(now);
     interpreter_.addEcho(echo, now);
   } else if (interpreter_.lastMessage() == MessageId::kDisconnectByTimeout) {
-    connect_.reset();
+    connect();
   }
+}
+
+bool NatnetSession::findsServer(const UdpSocket::Received& datagram) {
+  const auto message = parseMessage(datagram.payload);
+  ServerInfo info;
+  return message && message->id == MessageId::kServerInfo &&
+         parseServerInfo(message->payload, info) == nullptr;
+}
+
+void NatnetSession::onBroken(core::Utime now) {
+  if (interpreter_.lastMessage() != MessageId::kFrame) {
+    notes_.once("malformed", "a NatNet packet could not be understood; further ones are counted");
+    return;
+  }
+  last_broken_frame_ = now;
+  notes_.once("broken_frame",
+              fmt::format("a frame could not be understood as one of NatNet {}: {}; further ones "
+                          "are counted",
+                          interpreter_.bitstream() ? text(*interpreter_.bitstream()) : "?",
+                          interpreter_.lastError()));
 }
 
 void NatnetSession::noteRestart(core::Utime now) {
@@ -160,10 +182,9 @@ void NatnetSession::onServerInfo(core::Utime now) {
   noteAnswer(now);
   if (first) {
     notes_.say("connected to " + status().server);
-    send(writeText(MessageId::kRequest, "FrameRate"));
   }
   notes_.over("no_server");
-  openDataSocket();
+  openDataSocket(now);
   if (interpreter_.bitstream() > kNewestKnown) {
     if (multicast()) {
       notes_.once("newer",
@@ -204,11 +225,12 @@ std::string NatnetSession::where() const {
              : fmt::format("unicast to ports {} and {}", command_.port(), dataPort());
 }
 
-void NatnetSession::openDataSocket() {
+void NatnetSession::openDataSocket(core::Utime now) {
   const Endpoint at{multicast() ? group() : kAnyAddress, dataPort()};
   if (data_ && at == data_at_) {
     return;
   }
+  data_opened_ = now;
   try {
     // Bound to the group, the socket hears nothing that is sent to this machine or other groups.
     auto socket = std::make_unique<UdpSocket>("NatNet data socket", at);
@@ -217,6 +239,7 @@ void NatnetSession::openDataSocket() {
     }
     data_ = std::move(socket);
     data_at_ = at;
+    notes_.over("data_socket");
   } catch (const core::StartupError& error) {
     notes_.once("data_socket", error.what());
   }
@@ -250,6 +273,13 @@ void NatnetSession::sendWhatIsDue(core::Utime now) {
   if (!multicast() && keep_alive_.due(now)) {
     send(writeMessage(MessageId::kKeepAlive));
   }
+  if (now - std::max({last_frame_, last_broken_frame_, data_opened_}) >= kSilence) {
+    data_.reset();  // a network card that came back has left the group
+    openDataSocket(now);
+  }
+  if (interpreter_.needsRate() && rate_.due(now)) {
+    send(writeText(MessageId::kRequest, "FrameRate"));
+  }
   if (interpreter_.needsModels() && models_.due(now)) {
     send(writeMessage(MessageId::kRequestModelDef));
   }
@@ -274,14 +304,25 @@ void NatnetSession::noteSilence(core::Utime now) {
     return;
   }
   const core::Utime last = std::max(last_frame_, last_answer_);
-  if (now - last >= kSilence) {
+  connected_ = now - last < kSilence;
+  if (!connected_) {
     notes_.once("silent",
                 fmt::format("Motive at {} has fallen silent; still trying", text(server_)));
+    if (settings_.server.empty()) {
+      searching_ = true;
+      server_.address = kBroadcast;
+    }
     return;
   }
   notes_.over("silent", "Motive is back");
   if (now - last_frame_ < kSilence) {
     notes_.over("no_frames", "frames are back");
+    notes_.over("no_good_frames", "frames are understood again");
+  } else if (now - last_broken_frame_ < kSilence) {
+    notes_.once("no_good_frames",
+                fmt::format("frames arrive by {}, but none can be understood as one of NatNet {}: "
+                            "which bit stream does Motive send? Asking it",
+                            where(), text(*interpreter_.bitstream())));
   } else if (now - answering_since_ >= kSilence) {
     notes_.once(
         "no_frames",

@@ -29,9 +29,11 @@ class NatnetSession final : public Source {
   void onDatagram(const UdpSocket::Received& datagram, std::uint16_t to_port, core::Utime now,
                   PacketSink& sink);
   void onServerInfo(core::Utime now);
+  bool findsServer(const UdpSocket::Received& datagram);
+  void onBroken(core::Utime now);
   void noteAnswer(core::Utime now);
   void noteRestart(core::Utime now);
-  void openDataSocket();
+  void openDataSocket(core::Utime now);
   void sendWhatIsDue(core::Utime now);
   void connect();
   void noteSilence(core::Utime now);
@@ -44,7 +46,7 @@ class NatnetSession final : public Source {
   config::Mocap settings_;
   Endpoint server_;
   std::uint32_t interface_;
-  bool searching_;  // no server was named and none has answered yet
+  bool searching_;  // no server was named and none has answered lately
   UdpSocket command_;
   std::unique_ptr<UdpSocket> data_;
   Endpoint data_at_;  // group or any, and port, that data_ was opened for
@@ -56,11 +58,15 @@ class NatnetSession final : public Source {
   core::Utime last_restart_ = 0;
   int restarts_lately_ = 0;
   core::Utime last_frame_ = 0;
+  core::Utime last_broken_frame_ = 0;
+  core::Utime data_opened_ = 0;
+  bool connected_ = false;
   SessionTimer connect_{500'000};
   SessionTimer echo_{250'000};
   SessionTimer keep_alive_{1'000'000};
   SessionTimer models_{1'000'000};
   SessionTimer bitstream_{1'000'000};
+  SessionTimer rate_{1'000'000};
 };
 
 }  // namespace roundabout::mocap_bridge::natnet

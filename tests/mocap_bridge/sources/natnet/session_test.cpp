@@ -83,6 +83,15 @@ class NatnetSessionTest : public testing::Test {
       step(send);
     }
   }
+  // Of the session's command socket.
+  Endpoint clientAddress() const {
+    std::vector<pollfd> descriptors;
+    session_->addDescriptors(descriptors);
+    sockaddr_in at{};
+    socklen_t size = sizeof(at);
+    getsockname(descriptors[0].fd, reinterpret_cast<sockaddr*>(&at), &size);
+    return {kLoopback, ntohs(at.sin_port)};
+  }
   const SourceCounters counters() const { return session_->status().counters; }
 
   EmulatorSettings settings_;
@@ -208,19 +217,104 @@ TEST_F(NatnetSessionTest, PacketsOfAnotherMachineAreCountedAndNotLookedAt) {
   startServer("3.1", "unicast");
   startSession();
   run(1.0);
-  std::vector<pollfd> descriptors;
-  session_->addDescriptors(descriptors);
-  sockaddr_in at{};
-  socklen_t size = sizeof(at);
-  getsockname(descriptors[0].fd, reinterpret_cast<sockaddr*>(&at), &size);
   UdpSocket stranger("stranger", {kLoopback + 1, 0});
   const std::size_t frames = heard_.frames.size();
   Frame false_frame;
   false_frame.number = 1'000'000;
-  stranger.send({kLoopback, ntohs(at.sin_port)}, writeFrame(false_frame, {3, 1}));
+  stranger.send(clientAddress(), writeFrame(false_frame, {3, 1}));
   step(false);
   EXPECT_EQ(counters().wrong_sender, 1);
   EXPECT_EQ(heard_.frames.size(), frames);
+}
+
+TEST_F(NatnetSessionTest, AChangedBitStreamIsAskedForThoughNoFrameSaysSo) {
+  startServer("4.1");
+  startSession();
+  run(1.0);
+  server_->changeBitstream({3, 0});
+  run(1.5);
+  EXPECT_GE(counters().malformed, 10);
+  const std::size_t before = heard_.frames.size();
+  run(1.0);
+  EXPECT_EQ(heard_.frames.size(), before + 200);
+  EXPECT_EQ(heard_.frames.back().bodies.at(1).name, "hex2");
+  EXPECT_THAT(notes_, Contains(HasSubstr("as one of NatNet 4.1")));
+}
+
+TEST_F(NatnetSessionTest, FramesThatCannotBeUnderstoodAreSaidNotToBeUnderstood) {
+  startServer("3.1", "unicast");
+  startSession();
+  run(1.0);
+  UdpSocket server_too("a port of the server", {kLoopback, 0});
+  const std::byte nonsense[12] = {};
+  for (int i = 0; i < 600; ++i) {
+    server_too.send(clientAddress(), writeMessage(MessageId::kFrame, nonsense));
+    step(false);
+  }
+  EXPECT_THAT(notes_, Contains(testing::AllOf(HasSubstr("none can be understood"),
+                                              HasSubstr("NatNet 3.1"))));
+  EXPECT_THAT(notes_, testing::Not(Contains(HasSubstr("no frame arrives"))));
+  run(0.1);
+  EXPECT_THAT(notes_, Contains(HasSubstr("frames are understood again")));
+}
+
+TEST_F(NatnetSessionTest, AGroupThatWasLeftIsJoinedAgain) {
+  startServer();
+  startSession();
+  run(1.0);
+  std::vector<pollfd> descriptors;
+  session_->addDescriptors(descriptors);
+  ip_mreq group{{htonl(kDefaultGroup)}, {htonl(kLoopback)}};
+  ASSERT_EQ(setsockopt(descriptors.at(1).fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, &group, sizeof(group)),
+            0);
+  run(0.1);
+  const std::size_t before = heard_.frames.size();
+  run(1.0);
+  ASSERT_EQ(heard_.frames.size(), before);
+  run(2.0);
+  EXPECT_GT(heard_.frames.size(), before + 100);
+}
+
+TEST_F(NatnetSessionTest, OnlyAServerInfoThatCanBeReadIsAServerAndAfterSilenceAnotherMayBe) {
+  config::Mocap mocap;
+  mocap.interface = "127.0.0.1";
+  session_ = std::make_unique<NatnetSession>(mocap);
+  step();
+  UdpSocket stranger("stranger", {kLoopback + 1, 0});
+  stranger.send(clientAddress(), writeMessage(MessageId::kServerInfo));
+  step();
+  EXPECT_THAT(notes_, testing::Not(Contains(HasSubstr("found"))));
+  ServerInfo info;
+  info.version = {2, 7};
+  for (const std::uint32_t address : {kLoopback + 2, kLoopback + 3}) {
+    UdpSocket server("server", {address, 0});
+    server.send(clientAddress(), writeServerInfo(info));
+    step();
+    EXPECT_THAT(notes_, Contains(HasSubstr("found a NatNet server at " + addressText(address))));
+    EXPECT_TRUE(session_->status().connected);
+    run(2.5);
+    EXPECT_FALSE(session_->status().connected);
+  }
+}
+
+TEST(NatnetRate, IsAskedForUntilAnsweredAndAgainOfAnotherServer) {
+  NatnetInterpreter interpreter({});
+  test::Collected heard;
+  const auto hear = [&](const std::vector<std::byte>& datagram) {
+    interpreter.onPacket({1'700'000'000'000'000, 0, 0, datagram}, heard);
+  };
+  ServerInfo info;
+  info.version = {2, 5};
+  hear(writeServerInfo(info));
+  EXPECT_TRUE(interpreter.needsRate());
+  LittleEndianWriter rate;
+  rate.put(100.0F);
+  hear(writeMessage(MessageId::kResponse, rate.bytes()));
+  EXPECT_FALSE(interpreter.needsRate());
+  info.version = {2, 7};
+  hear(writeServerInfo(info));
+  EXPECT_TRUE(interpreter.needsRate());
+  EXPECT_FALSE(NatnetInterpreter({std::nullopt, 0.005, 100.0}).needsRate()) << "the file says it";
 }
 
 TEST_F(NatnetSessionTest, DoubledAndBrokenPacketsAreCounted) {
@@ -234,6 +328,12 @@ TEST_F(NatnetSessionTest, DoubledAndBrokenPacketsAreCounted) {
   frame_.number += 3;
   step();
   EXPECT_EQ(counters().lost_frames, before.lost_frames + 3);
+  const std::byte nonsense[12] = {};
+  UdpSocket server_too("a port of the server", {kLoopback, 0});
+  server_too.send(clientAddress(), writeMessage(MessageId::kFrame, nonsense));
+  server_too.send(clientAddress(), Bytes(nonsense).first(3));
+  step();
+  EXPECT_EQ(counters().malformed, before.malformed + 2);
 }
 
 TEST_F(NatnetSessionTest, UnknownHostsInterfacesAndGroupsEndTheStart) {
