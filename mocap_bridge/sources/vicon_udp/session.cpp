@@ -17,7 +17,8 @@ std::uint16_t portOf(const config::Mocap& mocap) {
 }  // namespace
 
 ViconSession::ViconSession(const config::Mocap& mocap)
-    : server_(mocap.server.empty() ? kAnyAddress : resolveAddress("mocap.server", mocap.server)),
+    : named_(mocap.server.empty() ? kAnyAddress : resolveAddress("mocap.server", mocap.server)),
+      server_(named_),
       // Bound to an interface's address, broadcasts would not be heard.
       socket_("Vicon object stream", {kAnyAddress, portOf(mocap)}),
       interpreter_(mocap) {
@@ -61,11 +62,14 @@ void ViconSession::onDatagram(const UdpSocket::Received& datagram, core::Utime n
     notes_.say("objects come from " + text(datagram.from));
   }
   last_packet_ = now;
+  connected_ = true;
   notes_.over("silent", "objects arrive again");
 }
 
 void ViconSession::noteSilence(core::Utime now) {
   if (now - std::max(began_, last_packet_) >= kSilence) {
+    connected_ = false;
+    server_ = named_;
     notes_.once("silent",
                 fmt::format("no object arrives on UDP port {} for 2 s; still listening. Is the UDP "
                             "Object Stream on in Tracker, and sent to this machine ({})? "
@@ -76,7 +80,7 @@ void ViconSession::noteSilence(core::Utime now) {
 
 SourceStatus ViconSession::status() const {
   SourceStatus status;
-  status.connected = last_packet_ != 0;
+  status.connected = connected_;
   status.server = "Vicon Tracker at " + addressText(server_);
   status.bodies = interpreter_.bodies();
   status.counters = interpreter_.counters();

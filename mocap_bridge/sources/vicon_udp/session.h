@@ -22,12 +22,14 @@ class ViconSession final : public Source {
   void onDatagram(const UdpSocket::Received& datagram, core::Utime now, PacketSink& sink);
   void noteSilence(core::Utime now);
 
-  std::uint32_t server_;  // any, until one has sent
+  std::uint32_t named_;   // by the file; any: none
+  std::uint32_t server_;  // any, until one has sent, and again after silence
   UdpSocket socket_;
   ViconInterpreter interpreter_;
   std::int64_t wrong_sender_ = 0;
   core::Utime began_ = 0;
   core::Utime last_packet_ = 0;
+  bool connected_ = false;
 };
 
 }  // namespace roundabout::mocap_bridge::vicon

@@ -143,6 +143,7 @@ TEST_P(EveryProtocol, ComesBackAfterTenSecondsWithoutItsServer) {
   const std::size_t before = heard_.frames.size();
   run(10.0);
   EXPECT_LE(heard_.frames.size(), before + 1);
+  EXPECT_FALSE(session_->status().connected);
   startServer();
   scene_.number = 0;
   run(4.0);
