@@ -208,7 +208,13 @@ std::optional<UdpSocket::Received> UdpSocket::receive() {
 std::uint16_t UdpSocket::port() const { return portOf(descriptor_); }
 
 TcpStream::TcpStream(const Endpoint& server)
-    : descriptor_(makeSocket("TCP", SOCK_STREAM)), state_(State::kConnecting) {
+    : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
+      state_(State::kConnecting) {
+  if (descriptor_.get() < 0) {
+    failure_ = std::strerror(errno);
+    state_ = State::kClosed;
+    return;
+  }
   set(descriptor_, IPPROTO_TCP, TCP_NODELAY, 1);
   const sockaddr_in address = toSystem(server);
   if (connect(descriptor_.get(), generic(address), sizeof(address)) == 0) {

@@ -88,7 +88,7 @@ class TcpStream {
  public:
   enum class State { kConnecting, kOpen, kClosed };
 
-  /// Begins to connect.
+  /// Begins to connect; is closed from the start where this machine has no socket to give.
   explicit TcpStream(const Endpoint& server);
   explicit TcpStream(Descriptor accepted);
 
@@ -102,10 +102,13 @@ class TcpStream {
 
   int descriptor() const { return descriptor_.get(); }
   bool connecting() const { return state_ == State::kConnecting; }
+  /// Why there was no socket; empty: there was one.
+  const std::string& failure() const { return failure_; }
 
  private:
   Descriptor descriptor_;
   State state_;
+  std::string failure_;
   std::vector<std::byte> buffer_;
 };
 

@@ -22,6 +22,11 @@ void VrpnSession::connect(core::Utime now) {
     return;
   }
   stream_ = std::make_unique<TcpStream>(server_);
+  if (!stream_->failure().empty()) {
+    notes_.once("socket", "no socket for VRPN: " + stream_->failure() + "; trying again");
+  } else {
+    notes_.over("socket");
+  }
   cookie_sent_ = false;
   interpreter_.restart();
 }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "common/config/keys.h"
 #include "mocap_bridge/sources/sockets.h"
@@ -155,6 +156,23 @@ TEST_P(EveryProtocol, ComesBackAfterTenSecondsWithoutItsServer) {
   for (std::size_t i = before + 1; i < heard_.frames.size(); ++i) {
     EXPECT_GT(heard_.frames[i].exposure_utime, heard_.frames[i - 1].exposure_utime);
   }
+}
+
+TEST_P(EveryProtocol, WithoutASocketItTriesAgain) {
+  startServer();
+  startSession();
+  run(1.0);
+  rlimit usual{};
+  getrlimit(RLIMIT_NOFILE, &usual);
+  const rlimit none{3, usual.rlim_max};
+  emulator_.reset();
+  setrlimit(RLIMIT_NOFILE, &none);
+  EXPECT_NO_THROW(run(8.0));
+  setrlimit(RLIMIT_NOFILE, &usual);
+  const std::size_t before = heard_.frames.size();
+  startServer();
+  run(3.0);
+  EXPECT_GT(heard_.frames.size(), before + 200);
 }
 
 TEST_P(EveryProtocol, WhatWasRecordedIsUnderstoodAgain) {
