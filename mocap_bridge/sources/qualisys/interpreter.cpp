@@ -82,9 +82,7 @@ void QualisysInterpreter::onMessage(const Packet& message, core::Utime received,
       const auto event = LittleEndianCursor(message.payload).read<std::uint8_t>();
       facts.kind = "event";
       facts.facts = {{"event", std::to_string(event)}};
-      from_file_ = event == static_cast<std::uint8_t>(Event::kRtFromFileStarted) ||
-                   (from_file_ && event != static_cast<std::uint8_t>(Event::kRtFromFileStopped));
-      remember(heard_.events, static_cast<Event>(event));
+      onEvent(static_cast<Event>(event));
       break;
     }
     case PacketType::kNoMoreData:
@@ -96,6 +94,15 @@ void QualisysInterpreter::onMessage(const Packet& message, core::Utime received,
   }
   counters_.malformed += facts.error != nullptr ? 1 : 0;
   sink.onPacket(facts);
+}
+
+void QualisysInterpreter::onEvent(Event event) {
+  if (event == Event::kRtFromFileStarted) {
+    from_file_ = true;
+  } else if (event == Event::kRtFromFileStopped || event == Event::kCaptureStarted) {
+    from_file_ = false;
+  }
+  remember(heard_.events, event);
 }
 
 const char* QualisysInterpreter::onData(Bytes payload, core::Utime received, PacketSink& sink) {

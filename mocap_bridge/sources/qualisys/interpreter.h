@@ -41,6 +41,7 @@ class QualisysInterpreter final : public Interpreter {
 
  private:
   void onMessage(const Packet& message, core::Utime received, PacketSink& sink);
+  void onEvent(Event event);
   const char* onData(Bytes payload, core::Utime received, PacketSink& sink);
 
   ExposureClock clock_;

@@ -53,6 +53,12 @@ class QualisysEmulator final : public Emulator {
   void send(const SourceFrame& frame, core::Utime now) override {
     began_ = began_ == 0 ? now : began_;
     names_.clear();
+    if (frame.recorded != from_file_) {
+      from_file_ = frame.recorded;
+      for (Client& client : clients_) {
+        sendEvent(client, from_file_ ? Event::kRtFromFileStarted : Event::kRtFromFileStopped);
+      }
+    }
     Data data;
     data.timestamp_us = static_cast<std::uint64_t>(
         std::max<core::Utime>(frame.exposure_utime - began_ + core::kMicrosPerSecond, 0));
@@ -88,6 +94,11 @@ class QualisysEmulator final : public Emulator {
     int minor = 1;
     std::optional<Component> component;  // what it asked to have streamed
   };
+
+  static void sendEvent(Client& client, Event event) {
+    const std::byte number{static_cast<std::uint8_t>(event)};
+    client.stream->send(writePacket(PacketType::kEvent, Bytes(&number, 1)));
+  }
 
   void serve(Client& client) {
     for (Bytes bytes = client.stream->receive(); !bytes.empty(); bytes = client.stream->receive()) {
@@ -131,8 +142,7 @@ class QualisysEmulator final : public Emulator {
     } else if (command.starts_with("getparameters")) {
       client.stream->send(writeText(PacketType::kXml, settingsXml(client.minor)));
     } else if (command == "getstate") {
-      const std::byte event{static_cast<std::uint8_t>(Event::kCaptureStarted)};
-      client.stream->send(writePacket(PacketType::kEvent, Bytes(&event, 1)));
+      sendEvent(client, from_file_ ? Event::kRtFromFileStarted : Event::kCaptureStarted);
     } else if (command == "streamframes stop") {
       client.component.reset();
     } else if (command.starts_with("streamframes") || command.starts_with("getcurrentframe")) {
@@ -174,6 +184,7 @@ class QualisysEmulator final : public Emulator {
   TcpListener listener_;
   double rate_hz_;
   core::Utime began_ = 0;
+  bool from_file_ = false;
   std::vector<Client> clients_;
   std::vector<std::string> names_;
 };

@@ -9,6 +9,9 @@ namespace roundabout::mocap_bridge::qualisys {
 namespace {
 
 constexpr core::Utime kSilence = 2 * core::kMicrosPerSecond;
+// A connection that answers no question for so long has lost its other end.
+constexpr core::Utime kGiveUp = 3 * core::kMicrosPerSecond;
+constexpr core::Utime kAnswerLimit = core::kMicrosPerSecond / 2;
 constexpr core::Utime kGreetingLimit = 2 * core::kMicrosPerSecond;
 
 }  // namespace
@@ -18,12 +21,7 @@ QualisysSession::QualisysSession(const config::Mocap& mocap)
 
 void QualisysSession::poll(core::Utime now, PacketSink& sink) {
   began_ = began_ == 0 ? now : began_;
-  if (!stream_ && reconnect_.due(now)) {
-    stream_ = std::make_unique<TcpStream>(server_);
-    phase_ = Phase::kGreeting;
-    minor_ = kNewestMinor;
-    interpreter_.restart();
-  }
+  connect(now);
   if (stream_ && stream_->state() == TcpStream::State::kOpen) {
     receive(now, sink);
     answer(interpreter_.takeHeard(), now);
@@ -36,8 +34,28 @@ void QualisysSession::poll(core::Utime now, PacketSink& sink) {
     close(last_packet_ == 0 ? "" : "the connection to QTM was lost; connecting again");
   } else if (stream_ && phase_ != Phase::kStreaming && now - reconnect_.last > kGreetingLimit) {
     close("");
+  } else if (stream_ && now - std::max(last_packet_, reconnect_.last) >= kGiveUp) {
+    close("QTM has not answered for 3 s; connecting again");
   }
   noteSilence(now);
+}
+
+void QualisysSession::connect(core::Utime now) {
+  if (stream_ || !reconnect_.due(now)) {
+    return;
+  }
+  stream_ = std::make_unique<TcpStream>(server_);
+  if (!stream_->failure().empty()) {
+    notes_.once("socket", "no socket for QTM: " + stream_->failure() + "; trying again");
+  } else {
+    notes_.over("socket");
+  }
+  enter(Phase::kGreeting, now);
+  minor_ = kNewestMinor;
+  residuals_ = true;
+  stream_asked_ = false;
+  state_refused_ = false;
+  interpreter_.restart();
 }
 
 void QualisysSession::close(const std::string& why) {
@@ -69,24 +87,33 @@ void QualisysSession::command(const std::string& text) {
   }
 }
 
-void QualisysSession::askForNames() { command("GetParameters 6D"); }
+void QualisysSession::askForNames() {
+  stream_asked_ = false;
+  command("GetParameters 6D");
+}
 
 void QualisysSession::stream() {
+  stream_asked_ = true;
   command(residuals_ ? "StreamFrames AllFrames 6DRes" : "StreamFrames AllFrames 6D");
 }
 
-void QualisysSession::onText(const std::string& text) {
+void QualisysSession::enter(Phase phase, core::Utime now) {
+  phase_ = phase;
+  phase_since_ = now;
+}
+
+void QualisysSession::onText(const std::string& text, core::Utime now) {
   if (phase_ == Phase::kGreeting) {
-    phase_ = Phase::kVersion;
+    enter(Phase::kVersion, now);
     command(fmt::format("Version 1.{}", minor_));
   } else if (phase_ == Phase::kVersion && text.starts_with("Version set to")) {
-    phase_ = Phase::kStreaming;
     version_ = fmt::format("1.{}", minor_);
     notes_.say(
         fmt::format("connected to QTM at {}, protocol {}", mocap_bridge::text(server_), version_));
     notes_.over("lost");
-    askForNames();
-    stream();
+    // Before any frame: a measurement that is played back says so only when it begins.
+    enter(Phase::kState, now);
+    command("GetState");
   }
 }
 
@@ -98,17 +125,48 @@ void QualisysSession::onError(const std::string& error) {
     } else {
       command(fmt::format("Version 1.{}", minor_));
     }
-  } else if (residuals_) {
+  } else if (phase_ == Phase::kState) {
+    state_refused_ = true;
+  } else if (stream_asked_ && residuals_) {
     residuals_ = false;
+    notes_.once("residuals", "QTM refuses 6D with residuals, which are done without: " + error);
     stream();
-  } else {
+  } else if (stream_asked_) {
     notes_.once("error", "QTM refuses to stream 6D bodies: " + error);
+  }
+}
+
+// After the version, in this order: state, names, stream. Whatever is not answered is done without.
+void QualisysSession::askOn(const QualisysInterpreter::Heard& heard, core::Utime now) {
+  const bool enough = !heard.errors.empty() || now - phase_since_ >= kAnswerLimit;
+  if (phase_ == Phase::kState && (enough || !heard.events.empty())) {
+    enter(Phase::kNames, now);
+    askForNames();
+  } else if (phase_ == Phase::kNames && (enough || interpreter_.namesKnown())) {
+    enter(Phase::kStreaming, now);
+    stream();
+  }
+}
+
+void QualisysSession::askWhatIsDue(core::Utime now) {
+  const bool names = !interpreter_.namesKnown() || !interpreter_.namesFit();
+  const core::Utime no_data = now - std::max(last_data_, reconnect_.last);
+  if (!question_.due(now)) {
+    return;
+  }
+  if (names && names_.due(now)) {
+    askForNames();
+  } else if (no_data >= core::kMicrosPerSecond && !state_refused_ && state_.due(now)) {
+    stream_asked_ = false;
+    command("GetState");
+  } else if (no_data >= kSilence && restream_.due(now)) {
+    stream();
   }
 }
 
 void QualisysSession::answer(const QualisysInterpreter::Heard& heard, core::Utime now) {
   for (const std::string& text : heard.texts) {
-    onText(text);
+    onText(text, now);
   }
   for (const std::string& error : heard.errors) {
     onError(error);
@@ -116,34 +174,29 @@ void QualisysSession::answer(const QualisysInterpreter::Heard& heard, core::Utim
   for (const Event event : heard.events) {
     if (event == Event::kCameraSettingsChanged) {
       interpreter_.forgetNames();
-    } else if (event == Event::kCaptureStarted || event == Event::kRtFromFileStarted) {
+    } else if (phase_ == Phase::kStreaming && !heard.data &&
+               (event == Event::kCaptureStarted || event == Event::kRtFromFileStarted)) {
       stream();
     }
   }
   if (heard.data) {
     last_data_ = now;
+    stream_asked_ = false;
     notes_.over("no_data", "frames arrive again");
     notes_.over("error");
   }
+  askOn(heard, now);
   if (phase_ != Phase::kStreaming) {
     return;
-  }
-  if (!interpreter_.namesKnown() && names_.due(now)) {
-    askForNames();
   }
   if (!interpreter_.namesFit()) {
     notes_.once("names",
                 "QTM streams another number of bodies than its settings name: names are not "
                 "used until they agree (mocap.bodies can name bodies by id, from 0)");
-    if (names_.due(now)) {
-      askForNames();
-    }
   } else {
     notes_.over("names");
   }
-  if (now - std::max(last_data_, reconnect_.last) >= kSilence && restream_.due(now)) {
-    stream();
-  }
+  askWhatIsDue(now);
 }
 
 void QualisysSession::noteSilence(core::Utime now) {
@@ -155,7 +208,8 @@ void QualisysSession::noteSilence(core::Utime now) {
                     "(mocap.server; this machine has {})",
                     text(server_), server_.port, interfaceList()));
   } else if (phase_ == Phase::kStreaming &&
-             now - std::max(last_data_, reconnect_.last) >= kSilence) {
+             now - std::max(last_data_, reconnect_.last) >= kSilence &&
+             now - last_packet_ < kSilence) {
     notes_.once("no_data",
                 "QTM answers, but sends no frame: is a measurement or preview running, and "
                 "are 6D bodies defined?");

@@ -8,9 +8,10 @@
 
 namespace roundabout::mocap_bridge::qualisys {
 
-/// Talks to QTM: agrees on a version, asks for the bodies' names, streams 6D with residuals (or
-/// without, where those are refused), asks again when settings change or a capture begins, and
-/// connects again for as long as it runs.
+/// Talks to QTM: agrees on a version, asks whether it is live and for the bodies' names, streams 6D
+/// with residuals (or without, where those are refused), asks again when settings change or a
+/// capture begins, and connects again for as long as it runs. One question is open at a time, so
+/// that a refusal is known to be of that.
 class QualisysSession final : public Source {
  public:
   /// Of `mocap` the server, command port and latency. Throws core::StartupError: unknown host.
@@ -21,11 +22,15 @@ class QualisysSession final : public Source {
   SourceStatus status() const override;
 
  private:
-  enum class Phase { kGreeting, kVersion, kStreaming };
+  enum class Phase { kGreeting, kVersion, kState, kNames, kStreaming };
 
   void receive(core::Utime now, PacketSink& sink);
+  void connect(core::Utime now);
+  void enter(Phase phase, core::Utime now);
+  void askOn(const QualisysInterpreter::Heard& heard, core::Utime now);
+  void askWhatIsDue(core::Utime now);
   void answer(const QualisysInterpreter::Heard& heard, core::Utime now);
-  void onText(const std::string& text);
+  void onText(const std::string& text, core::Utime now);
   void onError(const std::string& error);
   void askForNames();
   void stream();
@@ -37,12 +42,17 @@ class QualisysSession final : public Source {
   std::unique_ptr<TcpStream> stream_;
   Phase phase_ = Phase::kGreeting;
   int minor_ = kNewestMinor;
-  bool residuals_ = true;
+  core::Utime phase_since_ = 0;
+  bool residuals_ = true;       // of this connection
+  bool stream_asked_ = false;   // and neither data nor another question since
+  bool state_refused_ = false;  // by this connection
   std::string version_;
   QualisysInterpreter interpreter_;
   SessionTimer reconnect_{core::kMicrosPerSecond};
   SessionTimer names_{core::kMicrosPerSecond};
   SessionTimer restream_{core::kMicrosPerSecond};
+  SessionTimer state_{core::kMicrosPerSecond};
+  SessionTimer question_{200'000};
   core::Utime began_ = 0;
   core::Utime last_packet_ = 0;
   core::Utime last_data_ = 0;
