@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kBlindAfter_s = 0.3;
 constexpr double kBlindRate_hz = 10.0;
+// Whom it has not seen for so long yet it may not have believed: nobody is no news.
+constexpr double kBeginning_s = 0.3;
 // More wait only while poses are missing.
 constexpr std::size_t kMostWaiting = 16;
 constexpr std::size_t kMostLooking = 8;
@@ -200,6 +202,7 @@ void PerceptionCore::useScans() {
 void PerceptionCore::useScan(const core::LaserScan& scan, const PlanarPose& begin,
                              const PlanarPose& end) {
   last_used_scan_ = scan.utime;
+  first_used_scan_ = first_used_scan_ == 0 ? scan.utime : first_used_scan_;
   const int unusable = finder_.update(scan, begin, end, cells_.get());
   rejected_.ranges += unusable;
   many_unusable_ = unusable > kManyUnusable * static_cast<double>(scan.ranges_m.size());
@@ -281,6 +284,11 @@ void PerceptionCore::sayBlind(core::Utime now) {
 }
 
 void PerceptionCore::judgeHealth(core::AgentTracks& tracks) const {
+  if (core::toSeconds(tracks.utime - first_used_scan_) < kBeginning_s) {
+    tracks.health = core::PerceptionHealth::kBlind;
+    tracks.reason = "it has only begun to look";
+    return;
+  }
   if (many_unusable_) {
     tracks.health = core::PerceptionHealth::kDegraded;
     tracks.reason = "more than a tenth of the ranges unusable";
@@ -304,6 +312,7 @@ void PerceptionCore::forget() {
   looking_.clear();
   boxes_.clear();
   last_used_scan_ = 0;
+  first_used_scan_ = 0;
 }
 
 }  // namespace roundabout::perception

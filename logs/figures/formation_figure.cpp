@@ -183,6 +183,7 @@ void addPeople(PlotCommand& plot, const Flight& flight, std::size_t begin, std::
              "with circles fc rgb \"#d8b98a55\" fs solid border lc rgb \"#b08968\" notitle");
   }
   plot.add(peopleRows(flight, from, to), "with lines lw 1.0 lc rgb \"#b08968\" notitle");
+  plot.addKey("with points pt 7 ps 1.8 lc rgb \"#d8b98a\"", "people");
 }
 
 void addPaths(PlotCommand& plot, const Flight& flight, std::size_t begin, std::size_t end,

@@ -1,9 +1,11 @@
 #include "perception/mapping/occupancy_mapper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include <octomap/octomap.h>
 
@@ -59,52 +61,82 @@ std::int64_t StaticCells::keyOf(const Eigen::Vector2d& position_m, int right, in
   return column * (std::int64_t{1} << 32) + row;
 }
 
+/// The octree's one layer, and what a sweep says of each of its cells: a grid is many times faster
+/// than the hash sets of octomap's own insertion.
 struct OccupancyMapper::Tree {
-  explicit Tree(double resolution_m) : octree(resolution_m), height_m(resolution_m / 2.0) {}
+  enum Said : std::uint8_t { kNothing, kFree, kOccupied };
+
+  Tree(double resolution_m, const Eigen::AlignedBox2d& bounds_m)
+      : octree(resolution_m),
+        height_m(resolution_m / 2.0),
+        low(octree.coordToKey(pointOf(bounds_m.min(), height_m))) {
+    const octomap::OcTreeKey high = octree.coordToKey(pointOf(bounds_m.max(), height_m));
+    columns = high[0] - low[0] + 1;
+    rows = high[1] - low[1] + 1;
+    said.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), kNothing);
+  }
+
+  void say(const octomap::OcTreeKey& key, Said what) {
+    const int column = key[0] - low[0];
+    const int row = key[1] - low[1];
+    if (column < 0 || column >= columns || row < 0 || row >= rows) {
+      return;
+    }
+    std::uint8_t& cell = said[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                              static_cast<std::size_t>(column)];
+    if (cell == kNothing) {
+      touched.push_back(key);
+    }
+    cell = std::max<std::uint8_t>(cell, what);
+  }
+
+  Said take(const octomap::OcTreeKey& key) {
+    const auto at = static_cast<std::size_t>(key[1] - low[1]) * static_cast<std::size_t>(columns) +
+                    static_cast<std::size_t>(key[0] - low[0]);
+    return static_cast<Said>(std::exchange(said[at], kNothing));
+  }
+
   octomap::OcTree octree;
   double height_m;  // of the one layer
+  octomap::OcTreeKey low;
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::uint8_t> said;
+  std::vector<octomap::OcTreeKey> touched;
 };
 
 OccupancyMapper::OccupancyMapper(double resolution_m, const Eigen::AlignedBox2d& bounds_m)
-    : tree_(std::make_unique<Tree>(resolution_m)) {
-  octomap::point3d low = pointOf(bounds_m.min(), 0.0);
-  octomap::point3d high = pointOf(bounds_m.max(), resolution_m);
-  tree_->octree.setBBXMin(low);
-  tree_->octree.setBBXMax(high);
-  tree_->octree.useBBXLimit(true);
-}
+    : tree_(std::make_unique<Tree>(resolution_m, bounds_m)) {}
 
 OccupancyMapper::~OccupancyMapper() = default;
 
 void OccupancyMapper::insert(const MapUpdate& update) {
   octomap::OcTree& octree = tree_->octree;
   const octomap::point3d sensor = pointOf(update.sensor_m, tree_->height_m);
-  octomap::KeySet free;
-  octomap::KeySet occupied;
-  octomap::Pointcloud hits;
-  for (const Eigen::Vector2d& hit_m : update.hits_m) {
-    hits.push_back(pointOf(hit_m, tree_->height_m));
-  }
-  octree.computeUpdate(hits, sensor, free, occupied, -1.0);
   octomap::KeyRay ray;
-  for (const Eigen::Vector2d& end_m : update.free_m) {
-    if (octree.computeRayKeys(sensor, pointOf(end_m, tree_->height_m), ray)) {
+  const auto sayFree = [&](const octomap::point3d& end) {
+    if (octree.computeRayKeys(sensor, end, ray)) {
       for (const octomap::OcTreeKey& key : ray) {
-        if (octree.inBBX(key)) {
-          free.insert(key);
-        }
+        tree_->say(key, Tree::kFree);
       }
     }
-  }
-  constexpr bool kLazy = true;
-  for (const octomap::OcTreeKey& key : free) {
-    if (occupied.find(key) == occupied.end()) {
-      octree.updateNode(key, false, kLazy);
+  };
+  for (const Eigen::Vector2d& hit_m : update.hits_m) {
+    const octomap::point3d hit = pointOf(hit_m, tree_->height_m);
+    octomap::OcTreeKey key;
+    sayFree(hit);
+    if (octree.coordToKeyChecked(hit, key)) {
+      tree_->say(key, Tree::kOccupied);
     }
   }
-  for (const octomap::OcTreeKey& key : occupied) {
-    octree.updateNode(key, true, kLazy);
+  for (const Eigen::Vector2d& end_m : update.free_m) {
+    sayFree(pointOf(end_m, tree_->height_m));
   }
+  constexpr bool kLazy = true;
+  for (const octomap::OcTreeKey& key : tree_->touched) {
+    octree.updateNode(key, tree_->take(key) == Tree::kOccupied, kLazy);
+  }
+  tree_->touched.clear();
 }
 
 void OccupancyMapper::clear() { tree_->octree.clear(); }

@@ -100,6 +100,21 @@ class TroubledFiguresTest : public FiguresTest {
   }
 };
 
+TEST_F(FiguresTest, SaysWhichCirclesArePeople) {
+  const auto drawn = [this] {
+    GnuplotScript script;
+    Figure figure;
+    drawFormation(script, flight_, metrics_.formations[0], figure);
+    return script.text();
+  };
+  EXPECT_THAT(drawn(), Not(HasSubstr("title \"people\"")));
+  for (const Frame& frame : flight_.frames) {
+    flight_.people.push_back({frame.utime, {{1, {0.5, 0.5}, 0.275}}, {}});
+  }
+  EXPECT_THAT(drawn(), HasSubstr("title \"people\""));
+  EXPECT_THAT(drawn(), HasSubstr("0.500 0.500 0.275"));
+}
+
 TEST_F(TroubledFiguresTest, AreDrawnAllTheSame) {
   const Figures figures = drawFlight(flight_, metrics_, folder_.file("pictures"));
   ASSERT_EQ(figures.formations.size(), 1u);

@@ -564,6 +564,46 @@ TEST_F(MetricsTest, AJsonFileHoldsThemWithUnitsInTheKeys) {
   EXPECT_EQ(json["phases"].back()["phase"], "done");
 }
 
+/// A vehicle of 0.35 m drives 2 m a second past people of 0.25 m, seen once a second.
+class PeopleMetricsTest : public MetricsTest {
+ protected:
+  Metrics withPeopleAt(double near_m, double far_m) {
+    passAt(3.0);
+    measure();
+    for (int second = 0; second < 3; ++second) {
+      flight_.people.push_back({flight_.utimeAt(second),
+                                {{7, {1.0, near_m}, 0.25}, {8, {3.0, far_m}, 0.25}},
+                                {{2.0 * second, 0.0}, {0.0, -50.0}}});
+    }
+    return computeMetrics(flight_);
+  }
+};
+
+TEST_F(PeopleMetricsTest, SaysWhoCameNearestBetweenTwoMessages) {
+  const Metrics metrics = withPeopleAt(0.9, -1.5);
+  EXPECT_EQ(metrics.people.people, 2);
+  EXPECT_NEAR(metrics.people.closest.gap_m, 0.9 - 0.35 - 0.25, 1e-9);
+  EXPECT_NEAR(metrics.people.closest.at_s, 0.5, 1e-6);
+  EXPECT_EQ(metrics.people.closest.vehicle_a, "hex1");
+  EXPECT_EQ(metrics.people.closest.vehicle_b, "pedestrian 7");
+  EXPECT_THAT(metrics.people.touches, IsEmpty());
+  EXPECT_TRUE(metrics.success);
+  EXPECT_THAT(toText(flight_, metrics),
+              HasSubstr("closest person       0.300 m, hex1 and pedestrian 7 at 0.5 s of 2"));
+  const auto json = nlohmann::json::parse(toJson(metrics));
+  EXPECT_EQ(json["people"]["count"], 2);
+  EXPECT_NEAR(json["people"]["closest_gap"]["gap_m"], 0.3, 1e-9);
+}
+
+TEST_F(PeopleMetricsTest, ATouchFailsTheFlightAndCountsOnce) {
+  const Metrics metrics = withPeopleAt(0.5, -0.2);
+  ASSERT_EQ(metrics.people.touches.size(), 2u);
+  EXPECT_EQ(metrics.people.touches[0].vehicle_b, "pedestrian 7");
+  EXPECT_NEAR(metrics.people.touches[0].gap_m, -0.1, 1e-9);
+  EXPECT_EQ(metrics.people.touches[1].vehicle_b, "pedestrian 8");
+  EXPECT_FALSE(metrics.success);
+}
+
 TEST_F(MetricsTest, AnUnknownNumberIsNullInJson) {
   synthetic_.vehicles = {{"hex1", standing({0, 0, 1})}};
   const auto json = nlohmann::json::parse(toJson(measure()));

@@ -9,6 +9,7 @@
 #include "perception/mapping/occupancy_mapper.h"
 #include "planner/map/occupancy_grid.h"
 #include "tests/perception/crowd.h"
+#include "tests/support/scratch_folder.h"
 
 namespace roundabout::perception {
 namespace {
@@ -22,11 +23,13 @@ class MapOfARoom : public ::testing::Test {
     test::Crowd crowd({.beams = 540, .walls = true});
     AgentFinder finder({}, makeClusterer("breakpoints", "test"));
     mapper_ = std::make_unique<OccupancyMapper>(0.05, kBounds);
-    for (int i = 0; i < 600; ++i) {
+    auto cells = mapper_->cells();
+    for (int i = 0; i < 240; ++i) {
       crowd.step(0.025);
-      finder.update(crowd.scan(), {}, {}, mapper_->cells().get());
+      finder.update(crowd.scan(), {}, {}, cells.get());
       if (i % 4 == 0) {
         mapper_->insert(mapUpdateOf(finder, 6.0));
+        cells = mapper_->cells();
       }
     }
     people_ = crowd.truth();
@@ -69,6 +72,13 @@ TEST_F(MapOfARoom, IsReadByOctoMapAndThePlannerAlike) {
     }
   }
   EXPECT_GT(occupied, 500);
+
+  // The file is what octovis opens.
+  const test::ScratchFolder folder;
+  ASSERT_TRUE(mapper_->save(folder.file("room.bt")));
+  octomap::OcTree saved(0.1);
+  ASSERT_TRUE(saved.readBinary(folder.file("room.bt")));
+  EXPECT_TRUE(saved == octree);
 
   for (std::size_t size = 0; size < tree.size(); size += 997) {
     EXPECT_FALSE(planner::OccupancyGrid::fromTree(std::span(tree).first(size), kBounds)) << size;

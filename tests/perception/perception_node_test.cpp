@@ -42,6 +42,7 @@ class PerceptionNodeTest : public ::testing::Test {
     robot.lidar.emplace();
     robot.lidar->beams = 1080;
     robot.lidar->max_range_m = 10.0;
+    experiment_.perception.map_rate_hz = 4.0;
     test::CrowdSettings settings;
     settings.walls = true;
     crowd_ = std::make_unique<test::Crowd>(settings);
@@ -124,6 +125,21 @@ TEST_F(PerceptionNodeTest, SaysTracksOfEverySweepAndAMapEverySecond) {
   EXPECT_GE(heard_.back().num_tracks, 4);
   EXPECT_GE(maps_.size(), 2U);
   EXPECT_GT(maps_.back().num_bytes, 1000);
+}
+
+TEST_F(PerceptionNodeTest, IsBlindUntilItHasLookedForAWhile) {
+  start();
+  run(1.0);
+  // Nobody is believed at first sight: no tracks do not mean that nobody is there.
+  ASSERT_FALSE(heard_.empty());
+  const auto good = std::find_if(heard_.begin(), heard_.end(),
+                                 [](const auto& tracks) { return tracks.health == kGood; });
+  ASSERT_NE(good, heard_.end());
+  EXPECT_GE(good->num_tracks, 4);
+  EXPECT_GE(good->utime - heard_.front().utime, 300'000);
+  EXPECT_LT(good->utime - heard_.front().utime, 400'000);
+  EXPECT_EQ(std::prev(good)->health, kBlind);
+  EXPECT_EQ(std::prev(good)->reason, "it has only begun to look");
 }
 
 TEST_F(PerceptionNodeTest, SaysThatItIsBlindWithoutScans) {

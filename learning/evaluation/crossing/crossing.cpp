@@ -41,17 +41,19 @@ class Crossing {
         odometers_(experiment_, world_.bodies()),
         eyes_(cast.eyes(experiment_, robot_.name)),
         planner_(experiment_, robot_.name, cast.policy()),
-        next_frame_(kStart) {
+        next_frame_(kStart),
+        believed_m_(truth()) {
     mocap_.observe(world_.now(), odometers_.believed(world_.bodies()));
   }
 
   CrossingResult run() {
-    const double straight_m = distance();
+    const double straight_m = (truth() - goal_m_).norm();
     const core::Utime give_up = kStart + core::toUtime(experiment_.fleet.step_timeout_s);
     while (world_.now() < give_up && !result_.reached) {
       frame();
-      result_.reached = distance() <= experiment_.fleet.at_goal_distance_m;
+      result_.reached = (believed_m_ - goal_m_).norm() <= experiment_.fleet.at_goal_distance_m;
     }
+    result_.off_goal_m = (truth() - goal_m_).norm();
     result_.time_s = core::toSeconds(world_.now() - kStart);
     if (result_.reached) {
       const double least_s =
@@ -71,9 +73,7 @@ class Crossing {
   }
 
  private:
-  double distance() const {
-    return (world_.bodies().front().position_world_m.head<2>() - goal_m_).norm();
-  }
+  Eigen::Vector2d truth() const { return world_.bodies().front().position_world_m.head<2>(); }
 
   // As sim::SimNode does it: the sweep of now goes out before the frame, which is as old as the
   // cameras are slow.
@@ -103,6 +103,9 @@ class Crossing {
     }
     if (const auto map = eyes_->takeMap()) {
       planner_.onMap(*map);
+    }
+    if (states.vehicles.front().tracked) {
+      believed_m_ = states.vehicles.front().position_world_m.head<2>();
     }
     sendGoal(states.utime);
     if (const auto tick = planner_.onFrame(states)) {
@@ -162,6 +165,7 @@ class Crossing {
   std::unique_ptr<Eyes> eyes_;
   planner::PlannerCore planner_;
   core::Utime next_frame_;
+  Eigen::Vector2d believed_m_;  // where VEHICLE_STATES says that it is
   bool goal_sent_ = false;
   CrossingResult result_;
 };

@@ -18,7 +18,8 @@ namespace roundabout::learning {
 
 /// How one robot got through the people of an experiment.
 struct CrossingResult {
-  bool reached = false;
+  bool reached = false;  ///< by what it knows of its place, as the fleet judges a flight
+  double off_goal_m = std::numeric_limits<double>::quiet_NaN();  ///< truly, at the end
   double time_s = 0.0;  ///< until reached, else until given up
   /// Beyond the straight way at preferred speed; NaN if it did not arrive.
   double extra_time_s = std::numeric_limits<double>::quiet_NaN();

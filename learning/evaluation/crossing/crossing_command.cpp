@@ -75,11 +75,12 @@ void writeRows(std::ofstream& csv, const Variant& variant, const std::vector<int
     const CrossingResult& each = results[i];
     const sim::Encounter met = each.first_collision.value_or(sim::Encounter{});
     csv << fmt::format(
-        "{},{},{},{},{:.2f},{:.2f},{:.3f},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f}\n", variant.policy,
-        variant.shield ? "on" : "off", runs[i] + 1, each.reached ? 1 : 0, each.time_s,
-        each.extra_time_s, each.closest_m, each.collisions_by_robot, each.collisions_by_person,
-        each.collisions_with_things, each.ticks, each.ticks_blind, each.ticks_shielded,
-        each.first_collision_s, met.vehicle_closing_mps, met.person_closing_mps);
+        "{},{},{},{},{:.2f},{:.2f},{:.3f},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f}\n",
+        variant.policy, variant.shield ? "on" : "off", runs[i] + 1, each.reached ? 1 : 0,
+        each.time_s, each.extra_time_s, each.closest_m, each.collisions_by_robot,
+        each.collisions_by_person, each.collisions_with_things, each.ticks, each.ticks_blind,
+        each.ticks_shielded, each.first_collision_s, met.vehicle_closing_mps,
+        met.person_closing_mps, each.off_goal_m);
   }
   csv.flush();
 }
@@ -130,7 +131,7 @@ std::ofstream csvFile(const std::string& path) {
       throw core::StartupError("cross", "--csv", "a file that can be written", path);
     }
     csv << "policy,shield,run,reached,time_s,extra_s,closest_m,by_robot,by_person,things,ticks,"
-           "blind,shielded,met_s,robot_towards_mps,person_towards_mps\n";
+           "blind,shielded,met_s,robot_towards_mps,person_towards_mps,off_goal_m\n";
   }
   return csv;
 }
@@ -194,11 +195,10 @@ void draw(const Options& options, const Variant& variant, const std::vector<int>
     const std::string name = fmt::format("{}_{}_{}", nameOf(variant),
                                          variant.shield ? "shield" : "no_shield", runs[i] + 1);
     const std::filesystem::path file = std::filesystem::path(options.pictures) / name;
-    drawCrossing(
-        experiment, trace,
-        fmt::format("{} {}, {} shield, run {}: {}", experiment.name, nameOf(variant),
-                    variant.shield ? "with" : "without", runs[i] + 1, whatHappened(result)),
-        file);
+    drawCrossing(experiment, trace,
+                 fmt::format("{}{}, run {}: {}", nameOf(variant), variant.shield ? " + shield" : "",
+                             runs[i] + 1, whatHappened(result)),
+                 file);
     fmt::print(stderr, "drawn: {}.png\n", file.string());
   }
 }

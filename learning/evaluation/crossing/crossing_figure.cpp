@@ -22,8 +22,9 @@ constexpr double kCirclesEvery_s = 0.8;
 constexpr double kTimesEvery_s = 3.2;
 constexpr double kNumbersApart_m = 0.6;  // of somebody who stands
 constexpr double kStarRadius_m = 0.2;
-// Around the robot's way: who stays farther is not drawn.
-constexpr double kMargin_m = 1.5;
+constexpr double kMargin_m = 1.5;  // around the robot's way
+// Of the robot at that moment: who is farther is not drawn.
+constexpr double kNear_m = 2.5;
 constexpr Color kRobot{0, 90, 181};
 constexpr Color kPerson{216, 92, 20};
 constexpr const char* kCircles =
@@ -54,8 +55,7 @@ std::string number(const Vector2d& at_m, double time_s) {
   return fmt::format("{:.3f} {:.3f} \"{:.0f}\"", at_m.x(), at_m.y(), time_s);
 }
 
-Drawing drawingOf(const config::Experiment& experiment, const CrossingTrace& trace,
-                  const Eigen::AlignedBox2d& box) {
+Drawing drawingOf(const config::Experiment& experiment, const CrossingTrace& trace) {
   Drawing drawing;
   const double end_s = trace.moments.back().time_s;
   std::map<std::int32_t, Vector2d> numbered_m;  // where a person's last number stands
@@ -71,7 +71,7 @@ Drawing drawingOf(const config::Experiment& experiment, const CrossingTrace& tra
     next_time_s += timed ? kTimesEvery_s : 0.0;
     const double lightness = 0.85 * moment.time_s / end_s;
     for (const CrossingTrace::Person& person : moment.people) {
-      if (box.contains(person.position_m)) {
+      if ((person.position_m - moment.robot_m).norm() < kNear_m) {
         drawing.people.push_back(
             circle(person.position_m, experiment.pedestrians.body_radius_m, kPerson, lightness));
         const auto last = numbered_m.find(person.id);
@@ -104,8 +104,9 @@ void drawCrossing(const config::Experiment& experiment, const CrossingTrace& tra
   view.include(box.max(), 0.0);
   plot::GnuplotScript script;
   plot::beginFigure(script, view.size(), title);
-  view.set(script, "robot blue, people orange, lighter with time; numbers: s; cross: collision");
-  const Drawing drawing = drawingOf(experiment, trace, box);
+  view.set(script,
+           "robot blue, people near it orange, lighter with time; numbers: s; cross: collision");
+  const Drawing drawing = drawingOf(experiment, trace);
   plot::PlotCommand parts(script);
   for (const core::Polygon& obstacle : config::outlinesOf(experiment.obstacles)) {
     parts.add(plot::outlineRows(obstacle), plot::kObstacleStyle);
