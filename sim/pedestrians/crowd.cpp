@@ -21,7 +21,6 @@ constexpr int kDraws = 2000;
 constexpr double kApartM = 0.8;  // centres, when they begin
 constexpr double kArrivedM = 0.3;
 constexpr double kShortestWayM = 2.0;  // to a new goal, where the area is so large
-constexpr double kReactionS = 0.25;    // velocity behind the wish
 
 }  // namespace
 
@@ -121,7 +120,7 @@ void Crowd::step(core::Utime now, double step_s, std::span<const BodyState> bodi
     exchangeRoles();
     decide(bodies);
   }
-  const double share = 1.0 - std::exp(-step_s / kReactionS);
+  const double share = 1.0 - std::exp(-step_s / SocialForce::kReactionS);
   for (Walker& walker : walkers_) {
     walker.person.velocity_mps += share * (walker.wanted_mps - walker.person.velocity_mps);
     walker.person.position_m += step_s * walker.person.velocity_mps;

@@ -42,10 +42,13 @@ Vector2d repulsion(Vector2d apart, double radius_m, const Vector2d& other_mps) {
   return kStrength / kRangeM * std::exp(-minor / kRangeM) * gradient;
 }
 
-Vector2d contact(const Vector2d& apart, double radii_m) {
-  const double distance_m = std::max(apart.norm(), kNearestM);
-  const double strength = kContactMps2 * std::exp((radii_m - distance_m) / kContactRangeM);
-  return std::min(strength, kContactMps2) * apart / distance_m;
+// relative: of the person against the other one; it goes on so until it has reacted.
+Vector2d contact(const Vector2d& apart, const Vector2d& relative_mps, double radii_m) {
+  const double now_m = std::max(apart.norm(), kNearestM);
+  const Vector2d away = apart / now_m;
+  const double nearer_m = SocialForce::kReactionS * std::max(0.0, -relative_mps.dot(away));
+  const double strength = kContactMps2 * std::exp((radii_m - now_m + nearer_m) / kContactRangeM);
+  return std::min(strength, kContactMps2) * away;
 }
 
 }  // namespace
@@ -65,6 +68,7 @@ Vector2d SocialForce::velocity(const core::EgoAgent& person,
     force += (seen ? 1.0 : kOutOfSight) * (vehicle ? cooperation : 1.0) * repelled;
     if (seen && (!vehicle || cooperation > 0.0)) {
       force += contact(person.position_world_m - other.position_world_m,
+                       person.velocity_world_mps - other.velocity_world_mps,
                        person.radius_m + other.radius_m);
     }
   }

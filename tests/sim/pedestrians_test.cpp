@@ -155,6 +155,33 @@ TEST(SocialForce, WhoDoesNotMindVehiclesWalksOnAsIfThereWereNone) {
   EXPECT_LT(force.velocity(person, {&robot, 1}, 1, 1.0, {}).x(), alone.x() - 0.01);
 }
 
+// With the lag of a person's velocity behind its wish, as Crowd walks it.
+TEST(SocialForce, WhoHardlyMindsVehiclesStopsBeforeOneThatStands) {
+  for (const double beside_m : {0.0, 0.05, 0.2, 0.4}) {
+    for (const double speed_mps : {0.6, 1.0, 1.4}) {
+      SocialForce force;
+      core::EgoAgent person;
+      person.position_world_m = {-3.0, beside_m};
+      person.goal_world_m = {5.0, 0.0};
+      person.preferred_speed_mps = speed_mps;
+      person.radius_m = 0.25;
+      const core::OtherAgent robot{{0.0, 0.0}, {0.0, 0.0}, 0.25, -1};
+      Vector2d wanted_mps = Vector2d::Zero();
+      double closest_m = 10.0;
+      for (int step = 0; step < 2000; ++step) {
+        if (step % 20 == 0) {
+          wanted_mps = force.velocity(person, {&robot, 1}, 1, 0.3, {});
+        }
+        person.velocity_world_mps += (1.0 - std::exp(-kStepS / SocialForce::kReactionS)) *
+                                     (wanted_mps - person.velocity_world_mps);
+        person.position_world_m += kStepS * person.velocity_world_mps;
+        closest_m = std::min(closest_m, person.position_world_m.norm());
+      }
+      EXPECT_GT(closest_m, 0.5) << beside_m << " m beside, " << speed_mps << " m/s";
+    }
+  }
+}
+
 // ---- recorded people
 
 class RecordingTest : public testing::Test {
