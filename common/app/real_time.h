@@ -11,8 +11,8 @@ inline constexpr int kPlannerPriority = 5;
 /// says so.
 void requestRealTimePriority(int priority);
 
-/// Threads that this one makes from now on have an ordinary priority: those that compute for long and
-/// must not hold up anybody who is on time.
+/// Threads that this one makes from now on have an ordinary priority: those that compute for long
+/// and must not hold up anybody who is on time.
 void keepRealTimePriorityToThisThread();
 
 /// Asks for memory that stays where it is.

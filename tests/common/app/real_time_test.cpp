@@ -1,10 +1,9 @@
 #include "common/app/real_time.h"
 
-#include <sched.h>
-
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 namespace roundabout::app {
 namespace {
