@@ -25,9 +25,6 @@ constexpr double kOldestWish_s = 0.5;
 constexpr double kReserve = 1.5;
 // Of the acceleration that a multirotor's autopilot asks of its attitude loop.
 constexpr double kMostJerk_mps3 = 30.0;
-// Of people who are seen, if they stop at all.
-constexpr double kPersonReacts_s = 0.3;
-constexpr double kPersonBrakes_mps2 = 2.0;
 
 const config::MotionBounds& boundsOf(const config::Shield& shield, const config::Vehicle& vehicle) {
   return vehicle.model == "unicycle"       ? shield.unicycle
@@ -147,6 +144,13 @@ void FlightShield::observe(core::Utime now, const Situation& situation) {
   }
 }
 
+void FlightShield::noteSilence(core::Utime since, const Situation& situation) {
+  core::Command hold;
+  hold.utime = since;
+  hold.valid_for_s = experiment_.planner.command_valid_s;
+  onSent(hold, situation);
+}
+
 void FlightShield::onSent(const core::Command& command, const Situation& situation) {
   observers_[own_index_].onCommand(core::toSeconds(command.utime),
                                    velocityOf(command, situation.own(), own_index_),
@@ -225,8 +229,6 @@ shield::Neighbour FlightShield::neighbour(const SeenAgent& agent) const {
   other.motion.lowest_m = experiment_.room.min_m.z();
   other.motion.highest_m = experiment_.room.max_m.z();
   other.motion.age_s = agent.age_s;
-  other.bounds.max_acceleration_mps2 = kPersonBrakes_mps2;
-  other.bounds.delay_s = kPersonReacts_s;
   other.radius_m = agent.radius_m + agent.uncertainty_m;
   other.max_speed_mps = std::max(agent.velocity_mps.norm(), experiment_.planner.standing_speed_mps);
   other.id = agent.id;
@@ -271,35 +273,40 @@ void FlightShield::collectNeighbours(core::Utime now, const Situation& situation
   }
 }
 
-/// Position control may bring the body up to a wall: positions are in the room.
-const shield::Statics& FlightShield::statics(CommandMode mode) {
-  statics_.walls = mode == CommandMode::kPosition ? near_walls_ : walls_;
+/// Position control may bring the body up to a wall, or to something on the map: positions are in
+/// the room, and the goal was chosen there.
+const shield::Statics& FlightShield::statics(CommandMode mode, const Mapped& mapped) {
+  const bool at_goal = mode == CommandMode::kPosition;
+  statics_.walls = at_goal ? near_walls_ : walls_;
+  statics_.mapped = at_goal ? std::span<const core::Polygon>() : mapped.pieces;
   return statics_;
 }
 
-void FlightShield::guard(core::Utime now, const Situation& situation, core::Command& command,
-                         Status& status) {
+void FlightShield::guard(core::Utime now, const Situation& situation, const Mapped& mapped,
+                         core::Command& command, Status& status) {
   status.shield.interventions = interventions_;
   if (!moves(command)) {
     return;
   }
   collectNeighbours(now, situation);
-  const shield::Ego ego = egoFor(now, situation, command, status);
+  shield::Ego ego = egoFor(now, situation, command, status);
+  command.goal_world_m = ego.goal_world_m;
+  ego.goal_world_m = mapped.next_place_m.value_or(ego.goal_world_m);
   const Vector2d wanted = velocityOf(command, situation.own(), own_index_);
   shield::ShieldDecision decision =
-      shield_.decide(ego, neighbours_, statics(command.mode), wanted, core::toSeconds(now));
+      shield_.decide(ego, neighbours_, statics(command.mode, mapped), wanted, core::toSeconds(now));
   const bool as_wanted = decision.layer == ShieldLayer::kNone;
   if (wouldSurprise(as_wanted && holdsPlace(command, situation.own().state()), situation,
                     decision)) {
     decision.velocity_world_mps.setZero();
     decision.layer = as_wanted ? ShieldLayer::kHard : decision.layer;
   }
-  command.goal_world_m = ego.goal_world_m;
   command.asks_for_way = decision.asks_for_way;
   if (decision.layer != ShieldLayer::kNone) {
     flyInstead(decision, situation, command);
     if (decision.layer == ShieldLayer::kStatic && status.reason.empty()) {
-      status.reason = "slowed down at the edge of the room, an obstacle or a no-fly zone";
+      status.reason =
+          "slowed down at the edge of the room, an obstacle, a no-fly zone or something on the map";
     }
   }
   if (on_) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/config/experiment.h"
@@ -27,12 +28,23 @@ class FlightShield {
   /// Call on every tick, before guard().
   void observe(core::Utime now, const Situation& situation);
 
+  /// What a map says, beside the experiment file.
+  struct Mapped {
+    std::span<const core::Polygon> pieces{};        ///< near ones of what stands there
+    std::optional<Eigen::Vector2d> next_place_m{};  ///< on the way to the goal
+  };
+
   /// A VELOCITY or POSITION command becomes one that the shield lets pass; of others nothing
   /// changes. Says in the status what became of it.
-  void guard(core::Utime now, const Situation& situation, core::Command& command, Status& status);
+  void guard(core::Utime now, const Situation& situation, const Mapped& mapped,
+             core::Command& command, Status& status);
 
   /// The command that leaves the planner on a tick.
   void onSent(const core::Command& command, const Situation& situation);
+
+  /// No frames came, and from a time on the planner told its vehicle to hold: known by the frames
+  /// alone, so that a replay knows it too.
+  void noteSilence(core::Utime since, const Situation& situation);
 
   /// Another goal.
   void noteNewGoal();
@@ -56,7 +68,7 @@ class FlightShield {
   void setIntent(const core::Command* said, const core::VehicleState& state,
                  const config::Vehicle& described, shield::Neighbour& other) const;
   void collectNeighbours(core::Utime now, const Situation& situation);
-  const shield::Statics& statics(core::CommandMode mode);
+  const shield::Statics& statics(core::CommandMode mode, const Mapped& mapped);
 
   const config::Experiment experiment_;
   const std::size_t own_index_;

@@ -64,6 +64,7 @@ void GoalQueue::apply(const core::Goal& goal, core::Utime first_frame, const Sit
 void GoalQueue::clear() {
   pending_.clear();
   current_.reset();
+  refusal_.clear();
 }
 
 }  // namespace roundabout::planner

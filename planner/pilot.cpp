@@ -18,7 +18,9 @@ constexpr double kOldestScan_s = 0.3;
 constexpr double kMapLookAhead_s = 1.0;
 // Between a body and the map, beside the half cell by which the map may be wrong.
 constexpr double kMapMargin_m = 0.05;
-constexpr std::size_t kMostWaitingMaps = 4;
+constexpr std::size_t kMostWaitingMaps = 8;
+// From a vehicle's centre: nothing farther is reached within a command and braking after it.
+constexpr double kNearMap_m = 3.0;
 
 }  // namespace
 
@@ -89,13 +91,22 @@ void Pilot::fly(core::Utime now, const Situation& situation, const core::Goal& g
   command.heading_rate_radps = planar.heading_rate_radps;
 }
 
-core::EgoAgent Pilot::headedFor(core::EgoAgent ego) const {
+core::EgoAgent Pilot::headedFor(core::EgoAgent ego) {
+  next_place_m_.reset();
   if (way_finder_) {
-    // Without a way it sets off straight, as far as the map lets it.
-    ego.goal_world_m =
-        way_finder_->nextPlace(ego.position_world_m, ego.goal_world_m).value_or(ego.goal_world_m);
+    next_place_m_ = way_finder_->nextPlace(ego.position_world_m, ego.goal_world_m);
   }
+  // Without a way it sets off straight, as far as the map lets it.
+  ego.goal_world_m = next_place_m_.value_or(ego.goal_world_m);
   return ego;
+}
+
+std::span<const core::Polygon> Pilot::mappedNear(const Eigen::Vector2d& place_m) {
+  mapped_.clear();
+  if (way_finder_) {
+    way_finder_->nearestCells(place_m, kNearMap_m, mapped_);
+  }
+  return mapped_;
 }
 
 bool Pilot::hitsMap(const core::EgoAgent& ego, const Eigen::Vector2d& velocity_mps) const {
@@ -150,7 +161,7 @@ std::optional<PlanarCommand> Pilot::likeliestOffMap(const core::EgoAgent& ego,
 
 void Pilot::onMap(core::Utime utime, OccupancyGrid map) {
   if (waiting_maps_.size() == kMostWaitingMaps) {
-    waiting_maps_.erase(waiting_maps_.begin());
+    waiting_maps_.pop_back();  // the oldest comes into effect first
   }
   waiting_maps_.push_back({utime, WayFinder(way_settings_, std::move(map))});
 }
@@ -169,6 +180,7 @@ void Pilot::beginAnew() {
   scans_.clear();
   waiting_maps_.clear();
   way_finder_.reset();
+  next_place_m_.reset();
   map_utime_ = 0;
   policy_->reset();
 }

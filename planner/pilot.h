@@ -38,6 +38,12 @@ class Pilot {
   void fly(core::Utime now, const Situation& situation, const core::Goal& goal,
            const RoomGuard& room, core::Command& command, Status& status);
 
+  /// What the map that counts says of a place: near pieces of what stands there. Until the next
+  /// call.
+  std::span<const core::Polygon> mappedNear(const Eigen::Vector2d& place_m);
+  /// Where the vehicle goes first on its way round what the map holds, as of the last fly().
+  const std::optional<Eigen::Vector2d>& nextPlace() const { return next_place_m_; }
+
   /// Position control on the goal.
   static void holdGoal(const Situation& situation, const core::Goal& goal, const RoomGuard& room,
                        core::Command& command);
@@ -51,7 +57,7 @@ class Pilot {
  private:
   core::RangeScan freshScan(core::Utime now);
   /// What the policy is told: with the next place on the way as its goal.
-  core::EgoAgent headedFor(core::EgoAgent ego) const;
+  core::EgoAgent headedFor(core::EgoAgent ego);
   void applyMaps(core::Utime now);
   bool hitsMap(const core::EgoAgent& ego, const Eigen::Vector2d& velocity_mps) const;
   PlanarCommand offMap(const core::EgoAgent& ego, Decision& decision) const;
@@ -71,6 +77,8 @@ class Pilot {
   std::vector<WaitingMap> waiting_maps_;  // as they came
   core::Utime map_utime_ = 0;             // of the map that counts
   std::optional<WayFinder> way_finder_;   // nothing: there is no map
+  std::optional<Eigen::Vector2d> next_place_m_;
+  std::vector<core::Polygon> mapped_;
 };
 
 }  // namespace roundabout::planner

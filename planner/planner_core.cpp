@@ -33,7 +33,7 @@ PlannerCore::PlannerCore(const config::Experiment& experiment, const std::string
     : experiment_(experiment),
       own_index_(indexOf(experiment, vehicle)),
       tracks_(experiment),
-      seen_(experiment),
+      seen_(experiment, own_index_),
       timer_(experiment.planner.rate_hz),
       room_(experiment.room, experiment.vehicles[own_index_], experiment.safety.room_land_margin_m),
       pilot_(experiment, own_index_, std::move(policy)),
@@ -54,13 +54,21 @@ std::optional<PlannerCore::Tick> PlannerCore::onFrame(const core::StatesFrame& f
   if (first_frame_ == 0) {
     first_frame_ = frame.utime;
   } else {
-    modes_.noteGap(core::toSeconds(frame.utime - before), experiment_.safety);
+    noteGap(before, frame.utime);
   }
   rejected_messages_ += tracks_.update(frame);
   if (!timer_.due(frame.utime)) {
     return std::nullopt;
   }
   return tick(frame.utime);
+}
+
+void PlannerCore::noteGap(core::Utime before, core::Utime now) {
+  const double gap_s = core::toSeconds(now - before);
+  modes_.noteGap(gap_s, experiment_.safety);
+  if (gap_s >= experiment_.safety.states_hold_s) {
+    shield_.noteSilence(before + core::toUtime(experiment_.safety.states_hold_s), situation());
+  }
 }
 
 /// The states' time went back: nothing from before can be compared with what comes.
@@ -122,11 +130,12 @@ const char* PlannerCore::onMap(const core::OccupancyMap& map) {
     return "its time stamp is corrupt";
   }
   const config::Room& room = experiment_.room;
+  const char* refusal = "its resolution is not that of its tree";
   auto grid = OccupancyGrid::fromTree(
-      map.tree, Eigen::AlignedBox2d(room.min_m.head<2>(), room.max_m.head<2>()));
-  if (!grid) {
+      map.tree, Eigen::AlignedBox2d(room.min_m.head<2>(), room.max_m.head<2>()), &refusal);
+  if (!grid || !(std::abs(grid->resolution() - map.resolution_m) < 1e-6)) {
     onRejected();
-    return "its tree is cut off, or none";
+    return refusal;
   }
   pilot_.onMap(map.utime, std::move(*grid));
   return nullptr;
@@ -209,7 +218,11 @@ PlannerCore::Tick PlannerCore::report(core::Utime now, core::Utime state_utime,
   command.heading_world_rad = core::headingOf(own.state().orientation);
   fill(now, command, status);
   stopUnlessFinite(command, status);
-  shield_.guard(now, situation(), command, status);
+  FlightShield::Mapped mapped;
+  if (status.mode == Mode::kFlying) {
+    mapped = {pilot_.mappedNear(own.positionAt(now)), pilot_.nextPlace()};
+  }
+  shield_.guard(now, situation(), mapped, command, status);
   stopUnlessFinite(command, status);
   limitValidity(now, command);
   status.rejected_messages = rejected_messages_;

@@ -95,6 +95,7 @@ class PlannerCore {
 
  private:
   Tick tick(core::Utime now);
+  void noteGap(core::Utime before, core::Utime now);
   void beginAnew();
   void applyGoals(core::Utime now);
   Sight sight(core::Utime now);

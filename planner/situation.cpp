@@ -7,6 +7,8 @@ namespace roundabout::planner {
 
 namespace {
 
+// A vehicle that was seen longer ago may have left its place to somebody else.
+constexpr double kFreshTrack_s = 0.3;
 // Slower than this, a vehicle on the floor has landed (and one that drives has stopped).
 constexpr double kAtRest_mps = 0.1;
 
@@ -58,6 +60,9 @@ double Situation::closestSeparation(core::Utime now) const {
         closest_m, centres_m - vehicle().body_radius_m - experiment_.vehicles[i].body_radius_m);
   }
   for (const SeenAgent& agent : seen_.agents()) {
+    if (isKnown(agent, now)) {
+      continue;
+    }
     const double centres_m = (agent.position_m - own().positionAt(now)).norm();
     closest_m = std::min(closest_m, centres_m - vehicle().body_radius_m - agent.radius_m);
   }
@@ -66,9 +71,9 @@ double Situation::closestSeparation(core::Utime now) const {
 
 bool Situation::isKnown(const SeenAgent& agent, core::Utime now) const {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const double apart_m = knowsOf(i) ? (tracks_.at(i).positionAt(now) - agent.position_m).norm()
-                                      : std::numeric_limits<double>::infinity();
-    if (apart_m < experiment_.vehicles[i].body_radius_m + agent.radius_m) {
+    if (knowsOf(i) && tracks_.at(i).sinceAcceptedS(now) <= kFreshTrack_s &&
+        (tracks_.at(i).positionAt(now) - agent.position_m).norm() <
+            experiment_.vehicles[i].body_radius_m) {
       return true;
     }
   }

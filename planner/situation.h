@@ -31,7 +31,7 @@ class Situation {
     return vehicle != own_index_ && experiment_.planner.others != "tracks" &&
            tracks_.at(vehicle).seen();
   }
-  /// Whether a track is a vehicle that is known of already.
+  /// Whether a track is a vehicle that is known of already: within the body of one that is tracked.
   bool isKnown(const SeenAgent& agent, core::Utime now) const;
 
   /// Of a vehicle that flies: seen above safety.airborne_height_m.

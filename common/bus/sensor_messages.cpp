@@ -11,6 +11,8 @@ namespace roundabout::bus {
 namespace {
 
 constexpr int kMostPixelsPerSide = 8192;
+// Whoever numbers tracks on from here still has room.
+constexpr int kLargestTrackId = 1'000'000'000;
 constexpr std::uint8_t kJpegStart[] = {0xFF, 0xD8};
 
 Eigen::Vector2d vectorOf(const double (&values)[2]) { return {values[0], values[1]}; }
@@ -25,7 +27,8 @@ bool isUsable(const roundabout_msgs::agent_track_t& track) {
       track.confidence,  track.position[0], track.position[1],        track.velocity[0],
       track.velocity[1], track.radius,      track.position_deviation, track.velocity_deviation,
       track.age,         track.unseen};
-  return std::all_of(std::begin(values), std::end(values),
+  return track.id >= 0 && track.id <= kLargestTrackId &&
+         std::all_of(std::begin(values), std::end(values),
                      [](double value) { return std::isfinite(value); }) &&
          track.radius > 0.0 && track.position_deviation >= 0.0 && track.velocity_deviation >= 0.0 &&
          track.unseen >= 0.0 && track.agent_class >= roundabout_msgs::agent_track_t::UNKNOWN &&

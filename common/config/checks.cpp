@@ -10,6 +10,7 @@
 #include "common/config/obstacles.h"
 #include "common/config/spacing.h"
 #include "common/config/words.h"
+#include "common/core/sensor_data.h"
 
 namespace roundabout::config {
 
@@ -204,6 +205,20 @@ void checkPedestrians(const Experiment& experiment, const Refuse& refuse) {
   }
 }
 
+void checkPerception(const Experiment& experiment, const Refuse& refuse) {
+  const bool used =
+      std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(),
+                  [&](const Vehicle& vehicle) { return seesForItself(experiment, vehicle); });
+  const Eigen::Vector2d room_m = (experiment.room.max_m - experiment.room.min_m).head<2>();
+  const double finest_m = std::sqrt(room_m.prod() / core::kMostMapCells);
+  if (used && experiment.perception.map_resolution_m < finest_m) {
+    refuse("perception.map_resolution_m",
+           fmt::format("at least {:.3f}: a map of this room has at most {:.0f} cells", finest_m,
+                       core::kMostMapCells),
+           fmt::format("{}", experiment.perception.map_resolution_m));
+  }
+}
+
 void checkMocap(const Experiment& experiment, const Refuse& refuse) {
   const std::vector<MocapBody>& bodies = experiment.mocap.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -358,6 +373,7 @@ void checkConsistency(const Experiment& experiment, const Refuse& refuse) {
   checkStartArea(experiment, refuse);
   checkLimits(experiment, refuse);
   checkPedestrians(experiment, refuse);
+  checkPerception(experiment, refuse);
   checkMocap(experiment, refuse);
   checkShield(experiment, refuse);
   checkMission(experiment, refuse);

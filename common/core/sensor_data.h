@@ -18,6 +18,9 @@ struct JpegImage {
   std::vector<std::uint8_t> jpeg;
 };
 
+/// Whoever reads a map of more cells of a room's floor is not on time any more.
+inline constexpr double kMostMapCells = 1e6;
+
 /// What stands still: the content of an OctoMap .bt file.
 struct OccupancyMap {
   Utime utime = 0;

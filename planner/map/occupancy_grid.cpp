@@ -4,6 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <system_error>
+
+#include "common/core/sensor_data.h"
 
 namespace roundabout::planner {
 
@@ -12,7 +15,56 @@ namespace {
 constexpr int kDepth = 16;
 constexpr double kFinest_m = 0.01;
 constexpr double kCoarsest_m = 1.0;
-constexpr double kMostCells = 4e6;
+
+// Squared distance, in cells, to what is not there.
+constexpr double kNowhere = 1e12;
+
+/// For each place of a line the least of (way to another)² + value there: the lower envelope of
+/// parabolas (Felzenszwalb and Huttenlocher 2012), in linear time.
+class DistanceTransform {
+ public:
+  explicit DistanceTransform(std::size_t longest)
+      : values_(longest), roots_(longest), begins_(longest) {}
+
+  void apply(double* first, std::size_t count, std::size_t stride) {
+    std::size_t parabolas = 0;
+    for (std::size_t at = 0; at < count; ++at) {
+      values_[at] = first[at * stride];
+      double begin = -kNowhere;
+      while (parabolas > 0) {
+        begin = crossing(roots_[parabolas - 1], at);
+        if (begin > begins_[parabolas - 1]) {
+          break;
+        }
+        --parabolas;
+      }
+      roots_[parabolas] = at;
+      begins_[parabolas] = parabolas > 0 ? begin : -kNowhere;
+      ++parabolas;
+    }
+    std::size_t current = 0;
+    for (std::size_t at = 0; at < count; ++at) {
+      const auto place = static_cast<double>(at);
+      while (current + 1 < parabolas && begins_[current + 1] <= place) {
+        ++current;
+      }
+      const double way = place - static_cast<double>(roots_[current]);
+      first[at * stride] = way * way + values_[roots_[current]];
+    }
+  }
+
+ private:
+  // From where on the parabola over b is lower than that over a. a < b.
+  double crossing(std::size_t a, std::size_t b) const {
+    const auto from = static_cast<double>(a);
+    const auto to = static_cast<double>(b);
+    return 0.5 * (from + to + (values_[b] - values_[a]) / (to - from));
+  }
+
+  std::vector<double> values_;
+  std::vector<std::size_t> roots_;
+  std::vector<double> begins_;
+};
 
 /// The nodes of an OcTree behind the header of a .bt file: two bits a child, eight children a node,
 /// depth first (Hornung et al. 2013, section 3.6).
@@ -59,7 +111,7 @@ class TreeReader {
 
 struct Header {
   double resolution_m = 0.0;
-  std::size_t nodes = 0;
+  std::optional<std::size_t> nodes;
   std::size_t data = 0;  // where the nodes begin
 };
 
@@ -79,7 +131,7 @@ std::optional<Header> headerOf(std::string_view text) {
     begin = end + 1;
     if (line == "data") {
       header.data = begin;
-      return is_tree ? std::optional(header) : std::nullopt;
+      return is_tree && header.nodes ? std::optional(header) : std::nullopt;
     }
     const std::string_view value = line.substr(std::min(line.find(' ') + 1, line.size()));
     if (line.starts_with("id ")) {
@@ -87,7 +139,10 @@ std::optional<Header> headerOf(std::string_view text) {
     } else if (line.starts_with("res ")) {
       std::from_chars(value.data(), value.data() + value.size(), header.resolution_m);
     } else if (line.starts_with("size ")) {
-      std::from_chars(value.data(), value.data() + value.size(), header.nodes);
+      std::size_t nodes = 0;
+      const auto [end_of_number, error] =
+          std::from_chars(value.data(), value.data() + value.size(), nodes);
+      header.nodes = error == std::errc() ? std::optional(nodes) : std::nullopt;
     }
   }
   return std::nullopt;
@@ -103,19 +158,32 @@ OccupancyGrid::OccupancyGrid(const Eigen::AlignedBox2d& bounds_m, double resolut
       cells_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0) {}
 
 std::optional<OccupancyGrid> OccupancyGrid::fromTree(std::span<const std::uint8_t> tree,
-                                                     const Eigen::AlignedBox2d& bounds_m) {
+                                                     const Eigen::AlignedBox2d& bounds_m,
+                                                     const char** refusal) {
+  const auto refuse = [refusal](const char* reason) {
+    if (refusal != nullptr) {
+      *refusal = reason;
+    }
+    return std::nullopt;
+  };
   const std::string_view text(reinterpret_cast<const char*>(tree.data()), tree.size());
   const std::optional<Header> header = headerOf(text);
-  if (!header || !(header->resolution_m >= kFinest_m) || !(header->resolution_m <= kCoarsest_m) ||
-      bounds_m.volume() / (header->resolution_m * header->resolution_m) > kMostCells) {
-    return std::nullopt;
+  if (!header) {
+    return refuse("its tree has no header of an OctoMap tree");
+  }
+  if (!(header->resolution_m >= kFinest_m) || !(header->resolution_m <= kCoarsest_m)) {
+    return refuse("no map has its resolution");
+  }
+  if (bounds_m.volume() / (header->resolution_m * header->resolution_m) > core::kMostMapCells) {
+    return refuse("its resolution is too fine for this room");
   }
   OccupancyGrid grid(bounds_m, header->resolution_m);
-  if (header->nodes == 0) {
-    return grid;
+  const std::span<const std::uint8_t> nodes = tree.subspan(header->data);
+  if (*header->nodes == 0 ? !nodes.empty()
+                          : !TreeReader(nodes, header->resolution_m, grid).read()) {
+    return refuse("its tree is cut off, or too long");
   }
-  TreeReader reader(tree.subspan(header->data), header->resolution_m, grid);
-  return reader.read() ? std::optional(std::move(grid)) : std::nullopt;
+  return grid;
 }
 
 OccupancyGrid::Cell OccupancyGrid::cellAt(const Eigen::Vector2d& place_m) const {
@@ -142,25 +210,23 @@ void OccupancyGrid::occupy(const Eigen::AlignedBox2d& box_m) {
 }
 
 std::vector<float> OccupancyGrid::clearance(double most_m) const {
-  std::vector<float> clearance(cells_.size(), static_cast<float>(most_m));
-  const int reach = static_cast<int>(std::ceil(most_m / resolution_m_));
-  for (int row = 0; row < rows_; ++row) {
-    for (int column = 0; column < columns_; ++column) {
-      if (!occupied({column, row})) {
-        continue;
-      }
-      for (int up = -reach; up <= reach; ++up) {
-        for (int right = -reach; right <= reach; ++right) {
-          const Cell cell{column + right, row + up};
-          if (contains(cell)) {
-            float& distance_m = clearance[indexOf(cell)];
-            distance_m =
-                std::min(distance_m, static_cast<float>(resolution_m_ * std::hypot(right, up)));
-          }
-        }
-      }
-    }
+  // Squared, in cells; in each pass of the nearest in a line of the pass before.
+  std::vector<double> squared(cells_.size());
+  std::transform(cells_.begin(), cells_.end(), squared.begin(),
+                 [](std::uint8_t occupied) { return occupied != 0 ? 0.0 : kNowhere; });
+  DistanceTransform transform(static_cast<std::size_t>(std::max(columns_, rows_)));
+  const auto columns = static_cast<std::size_t>(columns_);
+  const auto rows = static_cast<std::size_t>(rows_);
+  for (std::size_t column = 0; column < columns; ++column) {
+    transform.apply(squared.data() + column, rows, columns);
   }
+  for (std::size_t row = 0; row < rows; ++row) {
+    transform.apply(squared.data() + row * columns, columns, 1);
+  }
+  std::vector<float> clearance(cells_.size());
+  std::transform(squared.begin(), squared.end(), clearance.begin(), [&](double cells) {
+    return static_cast<float>(std::min(most_m, resolution_m_ * std::sqrt(cells)));
+  });
   return clearance;
 }
 

@@ -23,11 +23,12 @@ class OccupancyGrid {
   OccupancyGrid(const Eigen::AlignedBox2d& bounds_m, double resolution_m);
 
   /// Reads the content of an OctoMap .bt file: cells in which the tree is occupied at any height
-  /// are occupied; free and unknown ones are not. Nothing if it is no such tree, is cut off, or
-  /// has a resolution that no map has. A reader of its own, since the planner does not link OctoMap
-  /// (docs/perception.md).
+  /// are occupied; free and unknown ones are not. Nothing if it is no such tree, is cut off or too
+  /// long, or has a resolution that no map of this room has; then *refusal, if asked for, says why.
+  /// A reader of its own, since the planner does not link OctoMap (docs/perception.md).
   static std::optional<OccupancyGrid> fromTree(std::span<const std::uint8_t> tree,
-                                               const Eigen::AlignedBox2d& bounds_m);
+                                               const Eigen::AlignedBox2d& bounds_m,
+                                               const char** refusal = nullptr);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }

@@ -17,6 +17,7 @@ constexpr double kDiscomfort = 2.0;  // times as long as the same way in the ope
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kDirection_rad = std::numbers::pi / 12.0;
 constexpr int kDirections = 6;  // to each side: up to a right angle
+constexpr std::size_t kSectors = 12;
 
 struct Step {
   int column;
@@ -168,6 +169,43 @@ Eigen::Vector2d WayFinder::maskedVelocity(const Eigen::Vector2d& from_m,
     }
   }
   return Eigen::Vector2d::Zero();
+}
+
+void WayFinder::nearestCells(const Eigen::Vector2d& place_m, double reach_m,
+                             std::vector<core::Polygon>& cells) const {
+  struct Nearest {
+    double distance_m;
+    OccupancyGrid::Cell cell;
+  };
+  std::array<Nearest, kSectors> nearest;
+  nearest.fill({reach_m, {}});
+  const OccupancyGrid::Cell low = grid_.cellAt(place_m - Eigen::Vector2d::Constant(reach_m));
+  const OccupancyGrid::Cell high = grid_.cellAt(place_m + Eigen::Vector2d::Constant(reach_m));
+  for (int row = std::max(low.row, 0); row <= std::min(high.row, grid_.rows() - 1); ++row) {
+    for (int column = std::max(low.column, 0); column <= std::min(high.column, grid_.columns() - 1);
+         ++column) {
+      if (!grid_.occupied({column, row})) {
+        continue;
+      }
+      const Eigen::Vector2d way = grid_.centreOf({column, row}) - place_m;
+      const double turns = std::atan2(way.y(), way.x()) / (2.0 * std::numbers::pi) + 0.5;
+      Nearest& of_sector =
+          nearest[std::min(static_cast<std::size_t>(turns * kSectors), kSectors - 1)];
+      if (way.norm() < of_sector.distance_m) {
+        of_sector = {way.norm(), {column, row}};
+      }
+    }
+  }
+  cells.clear();
+  const double half_m = grid_.resolution() / 2.0;
+  for (const Nearest& each : nearest) {
+    if (each.distance_m < reach_m) {
+      const Eigen::Vector2d centre = grid_.centreOf(each.cell);
+      cells.push_back(
+          {centre + Eigen::Vector2d(-half_m, -half_m), centre + Eigen::Vector2d(half_m, -half_m),
+           centre + Eigen::Vector2d(half_m, half_m), centre + Eigen::Vector2d(-half_m, half_m)});
+    }
+  }
 }
 
 }  // namespace roundabout::planner

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/core/agent.h"
 #include "planner/map/occupancy_grid.h"
 
 namespace roundabout::planner {
@@ -36,6 +37,10 @@ class WayFinder {
   /// in the nearest direction in which it can; else zero.
   Eigen::Vector2d maskedVelocity(const Eigen::Vector2d& from_m, const Eigen::Vector2d& velocity_mps,
                                  double look_ahead_s) const;
+
+  /// Of each of twelve directions the nearest occupied cell, as a square, if one is within reach.
+  void nearestCells(const Eigen::Vector2d& place_m, double reach_m,
+                    std::vector<core::Polygon>& cells) const;
 
  private:
   double clearanceAt(const Eigen::Vector2d& place_m) const;

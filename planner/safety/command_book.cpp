@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <tuple>
 
+#include "common/core/frame_gate.h"
+
 namespace roundabout::planner {
 
 namespace {
 
-// Of one vehicle between two ticks; planners send one, and one more for each KILL order.
+// Of one vehicle between two ticks; planners send one, and one more for each KILL order. Without
+// frames there is no tick, and planners go on: the newest count.
 constexpr int kMostPending = 8;
-// A planner that acts on silence is that much ahead of the frames, at most.
-constexpr core::Utime kLargestLead = core::kMicrosPerSecond;
-
 }  // namespace
 
 CommandBook::CommandBook(const config::Experiment& experiment)
@@ -27,7 +27,7 @@ const char* CommandBook::offer(const core::Command& command, core::Utime newest_
     return "of a vehicle that the experiment does not have";
   }
   const auto vehicle = static_cast<std::size_t>(found - names_.begin());
-  if (command.utime < 0 || (newest_frame > 0 && command.utime > newest_frame + kLargestLead)) {
+  if (command.utime < 0 || (newest_frame > 0 && command.utime > newest_frame + core::kFarAhead)) {
     return "its time stamp is corrupt";
   }
   if (command.utime < newest_[vehicle]) {
@@ -35,7 +35,7 @@ const char* CommandBook::offer(const core::Command& command, core::Utime newest_
   }
   const auto of_vehicle = [&](const Entry& entry) { return entry.vehicle == vehicle; };
   if (std::count_if(pending_.begin(), pending_.end(), of_vehicle) >= kMostPending) {
-    return "too many between two ticks";
+    pending_.erase(std::find_if(pending_.begin(), pending_.end(), of_vehicle));
   }
   newest_[vehicle] = command.utime;
   pending_.push_back({vehicle, command});

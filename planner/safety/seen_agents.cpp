@@ -14,21 +14,23 @@ namespace {
 
 // Standard deviations that a track may be off by.
 constexpr double kDeviations = 1.0;
+constexpr double kMostDeviations = 3.0;
 // Nobody is counted on to be farther from where it was last measured.
 constexpr double kMostUncertainty_m = 0.5;
 // Of a person, against the velocity that was believed of it while it was not measured.
 constexpr double kAcceleration_mps2 = 1.0;
-// Nobody's centre is nearer to a surface.
-constexpr double kThinnest_m = 0.1;
+// What stands with its centre nearer to a surface than this is a piece of it.
+constexpr double kAtSurface_m = 0.1;
 
 }  // namespace
 
-SeenAgents::SeenAgents(const config::Experiment& experiment)
+SeenAgents::SeenAgents(const config::Experiment& experiment, std::size_t own_index)
     : used_(experiment.planner.others != "states"),
       hold_s_(experiment.safety.tracks_hold_s),
       standing_mps_(experiment.planner.standing_speed_mps),
-      open_(experiment.room.min_m.head<2>() + Eigen::Vector2d::Constant(kThinnest_m),
-            experiment.room.max_m.head<2>() - Eigen::Vector2d::Constant(kThinnest_m)),
+      walls_are_seen_(experiment.vehicles[own_index].lidar &&
+                      experiment.vehicles[own_index].lidar->sees_room_walls),
+      room_(experiment.room.min_m.head<2>(), experiment.room.max_m.head<2>()),
       obstacles_(config::outlinesOf(experiment.obstacles)) {}
 
 const char* SeenAgents::offer(const core::AgentTracks& tracks, core::Utime newest_frame) {
@@ -63,9 +65,8 @@ void SeenAgents::apply(core::Utime now) {
   agents_.clear();
   if (fresh()) {
     for (const core::AgentTrack& track : current_.tracks) {
-      const SeenAgent agent = seen(track, ageS());
-      if (inTheOpen(agent)) {
-        agents_.push_back(agent);
+      if (canBeSomebody(track)) {
+        agents_.push_back(seen(track, ageS()));
       }
     }
   }
@@ -90,11 +91,25 @@ SeenAgent SeenAgents::seen(const core::AgentTrack& track, double age_s) const {
   return agent;
 }
 
-bool SeenAgents::inTheOpen(const SeenAgent& agent) const {
-  return open_.contains(agent.measured_m) &&
-         std::all_of(obstacles_.begin(), obstacles_.end(), [&](const core::Polygon& obstacle) {
-           return core::distanceTo(obstacle, agent.measured_m) > kThinnest_m;
-         });
+bool SeenAgents::canBeSomebody(const core::AgentTrack& track) const {
+  const double surface_m = fromSurfaceM(track.position_world_m);
+  if (surface_m < -kMostDeviations * track.position_deviation_m) {
+    return false;
+  }
+  return surface_m > kAtSurface_m || track.agent_class == core::AgentClass::kPedestrian ||
+         track.velocity_world_mps.norm() >= standing_mps_;
+}
+
+/// Negative inside.
+double SeenAgents::fromSurfaceM(const Eigen::Vector2d& place_m) const {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  if (walls_are_seen_) {
+    nearest_m = std::min((place_m - room_.min()).minCoeff(), (room_.max() - place_m).minCoeff());
+  }
+  for (const core::Polygon& obstacle : obstacles_) {
+    nearest_m = std::min(nearest_m, core::distanceTo(obstacle, place_m));
+  }
+  return nearest_m;
 }
 
 bool SeenAgents::fresh() const { return any_ && ageS() <= hold_s_; }

@@ -32,7 +32,7 @@ struct SeenAgent {
 /// first tick after their utime. Nothing here believes tracks for longer than safety.tracks_hold_s.
 class SeenAgents {
  public:
-  explicit SeenAgents(const config::Experiment& experiment);
+  SeenAgents(const config::Experiment& experiment, std::size_t own_index);
 
   /// Whether planner.others asks for tracks at all.
   bool used() const { return used_; }
@@ -49,9 +49,10 @@ class SeenAgents {
   double ageS() const;
   /// What perception said when it was blind last, if that is newer than all tracks; else empty.
   const std::string& blindReason() const { return blind_reason_; }
-  /// Everybody in the tracks that count, but for what cannot be anybody: whose centre is in a wall
-  /// of the room or an obstacle of the experiment, which the shield keeps clear of anyhow. Nobody
-  /// when they are not fresh.
+  /// Everybody in the tracks that count, but for what cannot be anybody: deeper in an obstacle of
+  /// the experiment, or in a wall of the room where the lidar sees those, than it may be off by;
+  /// and what stands at such a surface without being a person, which is a piece of it. Nobody when
+  /// they are not fresh.
   std::span<const SeenAgent> agents() const { return agents_; }
 
   /// The states' time went back.
@@ -61,12 +62,14 @@ class SeenAgents {
   static constexpr std::size_t kCapacity = 16;
 
   SeenAgent seen(const core::AgentTrack& track, double age_s) const;
-  bool inTheOpen(const SeenAgent& agent) const;
+  bool canBeSomebody(const core::AgentTrack& track) const;
+  double fromSurfaceM(const Eigen::Vector2d& place_m) const;
 
   bool used_;
   double hold_s_;
   double standing_mps_;
-  Eigen::AlignedBox2d open_;  // the room, less what is too near to a wall for anybody's centre
+  bool walls_are_seen_;
+  Eigen::AlignedBox2d room_;
   std::vector<core::Polygon> obstacles_;
   std::vector<core::AgentTracks> waiting_;
   core::AgentTracks current_;

@@ -70,6 +70,9 @@ void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbou
   for (const core::Polygon& obstacle : statics.obstacles) {
     addObstacle(obstacle);
   }
+  for (const core::Polygon& piece : statics.mapped) {
+    addObstacle(piece);
+  }
 }
 
 void BrakeConstraints::predictOwn() {

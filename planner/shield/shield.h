@@ -53,6 +53,9 @@ struct Wall {
 struct Statics {
   std::span<const Wall> walls{};
   std::span<const core::Polygon> obstacles{};  ///< and no-fly zones; from the floor up
+  /// Near pieces of what only a map knows. The hard layer keeps off them as off obstacles; the way
+  /// round them is the business of whoever says where the goal is.
+  std::span<const core::Polygon> mapped{};
 };
 
 using Layer = core::ShieldLayer;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -116,8 +117,44 @@ TEST(MapFlight, CountsAMapThatIsNone) {
   FakeFlight flight;
   core::OccupancyMap map = wallAhead();
   map.tree.pop_back();
-  EXPECT_STREQ(flight.core.onMap(map), "its tree is cut off, or none");
+  EXPECT_STREQ(flight.core.onMap(map), "its tree is cut off, or too long");
   EXPECT_EQ(flight.run(0.1).status.rejected_messages, 1);
+}
+
+TEST(MapFlight, RefusesATreeOfAnotherResolutionThanItSays) {
+  FakeFlight flight;
+  core::OccupancyMap map = wallAhead();
+  map.resolution_m = 0.05;
+  EXPECT_STREQ(flight.core.onMap(map), "its resolution is not that of its tree");
+}
+
+/// 1.5 m ahead, through the whole room: there is no way round.
+core::OccupancyMap longWall() {
+  std::vector<test::CellKey> cells;
+  for (int y = -50; y < 50; ++y) {
+    cells.push_back({15, y});
+  }
+  return test::mapOf(cells);
+}
+
+TEST(MapFlight, NoLayerOfTheShieldFliesIntoTheWall) {
+  FakeFlight flight;  // somebody is parked behind it
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.own().position_world_m.x() = 0.5;
+  std::set<core::ShieldLayer> layers;
+  for (int i = 0; i < 200; ++i) {
+    core::OccupancyMap map = longWall();
+    map.utime = flight.now;
+    ASSERT_EQ(flight.core.onMap(map), nullptr);
+    const PlannerCore::Tick tick = flight.run(0.1);
+    ASSERT_EQ(tick.status.mode, Mode::kFlying) << tick.status.reason;
+    layers.insert(tick.status.shield.layer);
+    const Eigen::Vector2d velocity = tick.command.velocity_world_mps.head<2>();
+    flight.own().velocity_world_mps = tick.command.velocity_world_mps;
+    flight.own().position_world_m.head<2>() += 0.1 * velocity;
+    ASSERT_LT(flight.own().position_world_m.x(), 1.5 - 0.35) << "after " << i << " ticks";
+  }
+  EXPECT_TRUE(layers.contains(core::ShieldLayer::kBreaker)) << "or this shows nothing";
 }
 
 }  // namespace

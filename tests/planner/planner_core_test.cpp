@@ -725,6 +725,21 @@ TEST(PlannerCore, RefusesAPolicyThatScansOnAVehicleWithoutLidar) {
             "none");
 }
 
+TEST(PlannerCore, WhoHeldInASilenceSaysThatItWillMoveBeforeItDoes) {
+  FakeFlight flight;
+  flight.flyTo({4.0, 0.0, 1.0});
+  flight.own().position_world_m.x() = 0.6;  // hex2 is near
+  flight.run(0.3);
+  EXPECT_GT(flight.run(0.1).command.velocity_world_mps.norm(), 0.1);
+  flight.now += core::toUtime(0.3);  // no frames: the vehicle was told to hold
+  const std::size_t before = flight.ticks.size();
+  flight.run(0.1);
+  const PlannerCore::Tick first = flight.ticks.at(before);
+  ASSERT_EQ(first.status.mode, Mode::kFlying) << first.status.reason;
+  EXPECT_EQ(first.command.velocity_world_mps.norm(), 0.0) << "others take it for parked";
+  EXPECT_GT(flight.run(0.1).command.velocity_world_mps.norm(), 0.1);
+}
+
 TEST(PlannerCore, AVehicleThatDrivesNeedsNoTakeOff) {
   config::Experiment experiment = threeVehicles();
   experiment.vehicles[0].model = "unicycle";

@@ -42,7 +42,7 @@ config::Experiment byTracks() {
 }
 
 TEST(SeenAgents, TakeEffectAfterTheirTimeAndAreForgottenAfterTheirs) {
-  SeenAgents seen(byTracks());
+  SeenAgents seen(byTracks(), 0);
   seen.apply(100'000);
   EXPECT_FALSE(seen.fresh());
   ASSERT_EQ(seen.offer(tracksAt(200'000, {person({1.0, 0.0}, {1.0, 0.0})}), 150'000), nullptr);
@@ -60,7 +60,7 @@ TEST(SeenAgents, TakeEffectAfterTheirTimeAndAreForgottenAfterTheirs) {
 }
 
 TEST(SeenAgents, BlindTracksNeverCount) {
-  SeenAgents seen(byTracks());
+  SeenAgents seen(byTracks(), 0);
   core::AgentTracks blind = tracksAt(200'000, {person({1.0, 0.0}, {})});
   blind.health = core::PerceptionHealth::kBlind;
   blind.reason = "no scan for 0.4 s";
@@ -75,7 +75,7 @@ TEST(SeenAgents, BlindTracksNeverCount) {
 }
 
 TEST(SeenAgents, WhoIsSlowStands) {
-  SeenAgents seen(byTracks());
+  SeenAgents seen(byTracks(), 0);
   core::AgentTrack furniture = person({0.0, 3.0}, {0.5, 0.0});
   furniture.agent_class = core::AgentClass::kStatic;
   seen.offer(
@@ -89,7 +89,7 @@ TEST(SeenAgents, WhoIsSlowStands) {
 
 TEST(SeenAgents, TheLessIsKnownOfSomebodyTheMoreRoomItGets) {
   const auto uncertainty = [](double deviation_m, double unseen_s, core::Utime now) {
-    SeenAgents seen(byTracks());
+    SeenAgents seen(byTracks(), 0);
     core::AgentTrack track = person({1.0, 0.0}, {1.0, 0.0});
     track.position_deviation_m = deviation_m;
     track.velocity_deviation_mps = 0.2;
@@ -104,20 +104,52 @@ TEST(SeenAgents, TheLessIsKnownOfSomebodyTheMoreRoomItGets) {
   EXPECT_LE(uncertainty(50.0, 9.0, 250'000), 0.5);
 }
 
-TEST(SeenAgents, WhatIsInAWallOrInFurnitureIsNobody) {
-  config::Experiment experiment = byTracks();  // the room ends at 5 m
-  experiment.obstacles = {{"box", {{1.0, 3.0}, {2.0, 3.0}, {2.0, 4.0}, {1.0, 4.0}}}};
-  SeenAgents seen(experiment);
-  seen.offer(tracksAt(1, {person({4.95, 0.0}, {}), person({7.0, 0.0}, {}), person({1.5, 2.95}, {}),
-                          person({1.5, 2.7}, {})}),
-             0);
-  seen.apply(100'000);
-  ASSERT_EQ(seen.agents().size(), 1u);
-  EXPECT_EQ(seen.agents()[0].measured_m.y(), 2.7);
+struct Surfaces : testing::Test {
+  Surfaces() {  // the room ends at 5 m
+    experiment.obstacles = {{"box", {{1.0, 3.0}, {2.0, 3.0}, {2.0, 4.0}, {1.0, 4.0}}}};
+    experiment.vehicles[0].lidar.emplace().sees_room_walls = true;
+  }
+
+  bool isSomebody(core::AgentTrack track) const {
+    track.position_deviation_m = 0.03;
+    SeenAgents seen(experiment, 0);
+    seen.offer(tracksAt(1, {track}), 0);
+    seen.apply(100'000);
+    return !seen.agents().empty();
+  }
+
+  config::Experiment experiment = byTracks();
+};
+
+TEST_F(Surfaces, WhatIsDeepInAWallOrInFurnitureIsNobody) {
+  EXPECT_FALSE(isSomebody(person({7.0, 0.0}, {-1.0, 0.0})));
+  EXPECT_FALSE(isSomebody(person({1.5, 3.5}, {0.0, -1.0})));
+}
+
+TEST_F(Surfaces, WhoLeansOnFurnitureOrOnAWallIsSomebody) {
+  EXPECT_TRUE(isSomebody(person({1.5, 2.95}, {})));
+  EXPECT_TRUE(isSomebody(person({1.5, 3.05}, {}))) << "it is measured that well";
+  EXPECT_TRUE(isSomebody(person({4.95, 0.0}, {})));
+}
+
+TEST_F(Surfaces, WhatStandsAtOneAndIsNoPersonIsAPieceOfIt) {
+  core::AgentTrack track = person({1.5, 2.95}, {});
+  for (const core::AgentClass what : {core::AgentClass::kUnknown, core::AgentClass::kStatic}) {
+    track.agent_class = what;
+    EXPECT_FALSE(isSomebody(track));
+  }
+  track.agent_class = core::AgentClass::kUnknown;
+  track.velocity_world_mps = {0.8, 0.0};
+  EXPECT_TRUE(isSomebody(track)) << "it moves";
+}
+
+TEST_F(Surfaces, PeopleWalkInOverTheEdgeOfARoomWithoutWalls) {
+  experiment.vehicles[0].lidar->sees_room_walls = false;
+  EXPECT_TRUE(isSomebody(person({5.3, 0.0}, {-1.0, 0.0})));
 }
 
 TEST(SeenAgents, RefuseStampsOfNoSuchTimeAndOlderOnesThanBefore) {
-  SeenAgents seen(byTracks());
+  SeenAgents seen(byTracks(), 0);
   EXPECT_NE(seen.offer(tracksAt(-1, {}), 0), nullptr);
   EXPECT_NE(seen.offer(tracksAt(3600 * core::kMicrosPerSecond, {}), 1'000'000), nullptr);
   EXPECT_EQ(seen.offer(tracksAt(900'000, {}), 1'000'000), nullptr);
@@ -190,6 +222,29 @@ TEST(DrivingByTracks, WithBothAVehicleThatIsSeenTooCountsOnce) {
   see();
   flight.run(0.1);
   EXPECT_EQ(flight.script->others.size(), 3u) << "hex2, hex3 and the person at (0, 2)";
+}
+
+TEST(DrivingByTracks, WithBothSomebodyWhoStandsByAVehicleCountsToo) {
+  SeeingFlight flight("both");
+  const auto see = [&] {  // hex2 is at (3, 0), and its body reaches 0.35 m
+    flight.see({person({3.0, 0.6}, {0.0, 0.0})});
+  };
+  see();
+  flight.drive();
+  see();
+  flight.run(0.1);
+  EXPECT_EQ(flight.script->others.size(), 3u) << "hex2, hex3 and the person beside hex2";
+}
+
+TEST(DrivingByTracks, WithBothTheSeparationIsToOtherThingsThanTheVehicleItself) {
+  SeeingFlight flight("both");
+  const auto see = [&] { flight.see({person({2.7, 0.0}, {0.0, 0.0})}); };
+  see();
+  flight.drive();
+  see();
+  const PlannerCore::Tick tick = flight.run(0.1);
+  const double apart_m = 3.0 - flight.vehicles[0].position_world_m.x();
+  EXPECT_NEAR(tick.status.closest_separation_m, apart_m - 2.0 * 0.35, 1e-6);
 }
 
 TEST(DrivingByTracks, TheShieldStopsBeforeAPersonWhateverThePolicyWants) {

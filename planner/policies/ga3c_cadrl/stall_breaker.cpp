@@ -39,9 +39,14 @@ bool standsStill(const DiscreteAction& action) {
 int StallBreaker::choose(const core::EgoAgent& ego, std::span<const float> probabilities,
                          int best_action) {
   const double distance_m = (ego.goal_world_m - ego.position_world_m).norm();
-  if (!watch_ || watch_->goal_world_m != ego.goal_world_m) {
+  if (!watch_) {
     watch_.emplace(Watch{ego.goal_world_m, distance_m, 0, seedOf(ego)});
     return best_action;
+  }
+  if (watch_->goal_world_m != ego.goal_world_m) {
+    // Another place on the way: to be sent here and there is no progress.
+    watch_->goal_world_m = ego.goal_world_m;
+    watch_->nearest_m = distance_m;
   }
   if (distance_m < watch_->nearest_m - settings_.progress_m) {
     watch_->nearest_m = distance_m;

@@ -20,6 +20,7 @@ class StallBreaker {
  public:
   explicit StallBreaker(const StallSettings& settings) : settings_(settings) {}
 
+  /// For a new mission. A goal that changes without it is another place on the way.
   void reset() { watch_.reset(); }
 
   /// best_action, or another one. Once for each decision.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/core/polygon.h"
 #include "common/core/random.h"
 
 namespace roundabout::planner {
@@ -127,10 +128,56 @@ TEST(WayFinder, LetsWhoIsTooNearGoAway) {
   EXPECT_TRUE(finder.nextPlace({-0.25, 0.0}, {-3.0, 1.0}));
 }
 
+TEST(WayFinder, NamesTheNearestCellOfEachDirection) {
+  OccupancyGrid grid({Vector2d(-3, -3), Vector2d(3, 3)}, 0.1);
+  for (const Vector2d& place :
+       {Vector2d(1.05, 0.05), Vector2d(1.55, 0.05), Vector2d(-0.45, -0.95), Vector2d(0.05, 2.55)}) {
+    grid.occupy({place, place});
+  }
+  const WayFinder finder({.body_radius_m = 0.3}, grid);
+  std::vector<core::Polygon> cells;
+  finder.nearestCells({0.0, 0.0}, 2.0, cells);
+  ASSERT_EQ(cells.size(), 2u) << "one is behind another, one out of reach";
+  std::vector<Vector2d> centres;
+  for (const core::Polygon& cell : cells) {
+    ASSERT_EQ(cell.size(), 4u);
+    EXPECT_NEAR(core::signedArea(cell), 0.01, 1e-9);
+    centres.push_back(0.25 * (cell[0] + cell[1] + cell[2] + cell[3]));
+  }
+  EXPECT_TRUE(centres[0].isApprox(Vector2d(-0.45, -0.95), 1e-9));
+  EXPECT_TRUE(centres[1].isApprox(Vector2d(1.05, 0.05), 1e-9));
+  finder.nearestCells({-50.0, 0.0}, 2.0, cells);
+  EXPECT_TRUE(cells.empty());
+}
+
+TEST(OccupancyGrid, KnowsTheDistanceToTheNearestOccupiedCell) {
+  core::RandomStream random(3, "cells");
+  for (const int count : {0, 1, 5, 200}) {
+    OccupancyGrid grid({Vector2d(0, 0), Vector2d(3.1, 2.2)}, 0.1);
+    std::vector<Vector2d> occupied;
+    for (int i = 0; i < count; ++i) {
+      const Vector2d place(random.uniform(0.0, 3.1), random.uniform(0.0, 2.2));
+      grid.occupy({place, place});
+      occupied.push_back(grid.centreOf(grid.cellAt(place)));
+    }
+    const std::vector<float> clearance = grid.clearance(0.7);
+    for (int row = 0; row < grid.rows(); ++row) {
+      for (int column = 0; column < grid.columns(); ++column) {
+        double nearest_m = 0.7;
+        for (const Vector2d& place : occupied) {
+          nearest_m = std::min(nearest_m, (place - grid.centreOf({column, row})).norm());
+        }
+        ASSERT_NEAR(clearance[grid.indexOf({column, row})], nearest_m, 1e-5);
+      }
+    }
+  }
+}
+
 TEST(OccupancyGrid, RefusesWhatIsNoTree) {
-  const auto read = [](const std::string& text) {
+  const char* refusal = nullptr;
+  const auto read = [&refusal](const std::string& text) {
     return OccupancyGrid::fromTree(
-        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, kRoom);
+        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, kRoom, &refusal);
   };
   const std::string head = "# Octomap OcTree binary file\nid OcTree\n";
   EXPECT_FALSE(read(""));
@@ -143,6 +190,20 @@ TEST(OccupancyGrid, RefusesWhatIsNoTree) {
   // Deeper than any tree.
   EXPECT_FALSE(read(head + "size 99\nres 0.05\ndata\n" + std::string(400, '\xFF')));
   EXPECT_TRUE(read(head + "size 0\nres 0.05\ndata\n"));
+  EXPECT_FALSE(read(head + "size 0\nres 0.05\ndata\nxx"));
+  EXPECT_STREQ(refusal, "its tree is cut off, or too long");
+  EXPECT_FALSE(read(head + "res 0.05\ndata\n")) << "without a size";
+  EXPECT_FALSE(read(head + "size -1\nres 0.05\ndata\n"));
+  EXPECT_STREQ(refusal, "its tree has no header of an OctoMap tree");
+}
+
+TEST(OccupancyGrid, RefusesATreeThatIsTooFineForTheRoom) {
+  const std::string text = "# Octomap OcTree binary file\nid OcTree\nsize 0\nres 0.01\ndata\n";
+  const std::span tree(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  const char* refusal = nullptr;
+  EXPECT_TRUE(OccupancyGrid::fromTree(tree, {Vector2d(0, 0), Vector2d(9.9, 9.9)}));
+  EXPECT_FALSE(OccupancyGrid::fromTree(tree, {Vector2d(0, 0), Vector2d(11, 11)}, &refusal));
+  EXPECT_STREQ(refusal, "its resolution is too fine for this room");
 }
 
 }  // namespace

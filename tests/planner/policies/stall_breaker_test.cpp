@@ -59,13 +59,19 @@ TEST_F(Stalled, ObeysTheNetworkAgainAfterProgress) {
   EXPECT_EQ(choose(40), std::vector<int>(40, kStop));
 }
 
-TEST_F(Stalled, ForgetsWithTheGoalAndWithAReset) {
-  choose(60);
-  ego_.goal_world_m = {0.0, 7.0};
-  EXPECT_EQ(choose(40), std::vector<int>(40, kStop));
+TEST_F(Stalled, ForgetsWithAReset) {
   choose(60);
   breaker_.reset();
   EXPECT_EQ(choose(40), std::vector<int>(40, kStop));
+}
+
+TEST_F(Stalled, IsNoProgressToBeSentElsewhere) {
+  int drawn = 0;
+  for (int i = 0; i < 60; ++i) {
+    ego_.goal_world_m = {5.0, i % 2 == 0 ? 1.0 : -1.0};
+    drawn += choose() == kStop ? 0 : 1;
+  }
+  EXPECT_EQ(drawn, 20);
 }
 
 TEST_F(Stalled, DrawsTheSameAgainFromTheSamePlaceAndOthersFromAnother) {
