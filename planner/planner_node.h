@@ -19,7 +19,8 @@ namespace roundabout::planner {
 bool watchesWallClock(const config::Experiment& experiment);
 
 /// The planner's wires: VEHICLE_STATES, GOAL_<vehicle>, SAFETY_ORDER, the other planners'
-/// COMMAND_<vehicle> and, if its policy needs scans, LASER_SCAN_<vehicle> in, COMMAND_<vehicle> and
+/// COMMAND_<vehicle>, AGENT_TRACKS_ and OCCUPANCY_<vehicle> if it goes by what it sees, and
+/// LASER_SCAN_<vehicle> if its policy needs scans in, COMMAND_<vehicle> and
 /// PLANNER_STATUS_<vehicle> out. The bus's handle() drives it; onWallClock() tells it how time
 /// passes when no message comes.
 class PlannerNode {

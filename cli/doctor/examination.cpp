@@ -204,14 +204,14 @@ Finding examinePackages() {
 Finding examinePrograms() {
   const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::vector<std::string> missing;
-  for (const char* program : {"sim", "planner", "fleet", "mocap_bridge"}) {
+  for (const char* program : {"sim", "planner", "fleet", "mocap_bridge", "perception"}) {
     if (!std::filesystem::exists(folder / program)) {
       missing.emplace_back(program);
     }
   }
   if (missing.empty()) {
-    return {Health::kWell, "programs", "sim, planner, fleet and mocap_bridge are beside this one",
-            ""};
+    return {Health::kWell, "programs",
+            "sim, planner, fleet, mocap_bridge and perception are beside this one", ""};
   }
   return {Health::kWrong, "programs", fmt::format("not built: {}", fmt::join(missing, ", ")),
           "./roundabout build"};

@@ -198,6 +198,9 @@ const Matrix& TorchNetwork::forward(const Parameters& parameters, const Batch& b
 
 void TorchNetwork::backward(const Parameters&, const Batch&, const Matrix& d_heads,
                             Parameters& gradient) {
+  if (d_heads.rows() == 0) {
+    return;
+  }
   d_heads_.resize(d_heads.rows(), kHeads);
   for (Eigen::Index place = 0; place < sorted_.size(); ++place) {
     d_heads_.row(place) = d_heads.row(sorted_.observation(place));

@@ -54,7 +54,18 @@ IterationFigures Ga3cTrainer::iterate() {
   for (Desk& desk : desks_) {
     desk.loss = {};
   }
-  workers_.forEach(threads_, [this](int i) { work(desks_[static_cast<std::size_t>(i)]); });
+  failed_ = false;
+  workers_.forEach(threads_, [this](int i) {
+    try {
+      work(desks_[static_cast<std::size_t>(i)]);
+    } catch (...) {
+      // Nobody waits for what this thread was at work on.
+      const Lock lock(mutex_);
+      failed_ = true;
+      changed_.notify_all();
+      throw;
+    }
+  });
 
   for (const Desk& desk : desks_) {
     figures.loss += desk.loss;
@@ -81,7 +92,7 @@ IterationFigures Ga3cTrainer::iterate() {
 void Ga3cTrainer::work(Desk& desk) {
   const auto enough = static_cast<std::size_t>(recipe_.ga3c.iteration_samples);
   Lock lock(mutex_);
-  while (learned_ < enough) {
+  while (learned_ < enough && !failed_) {
     if (experienced_ >= static_cast<std::size_t>(recipe_.ga3c.batch)) {
       learnSome(desk, lock);
     } else if (!answered_.empty()) {

@@ -81,6 +81,7 @@ class Ga3cTrainer final : public Trainer {
   std::deque<Samples> experience_;
   std::size_t experienced_ = 0;  // samples in it
   std::size_t learned_ = 0;      // samples in this iteration
+  bool failed_ = false;          // a thread gave up
   std::vector<EpisodeFigures> finished_;
 
   std::shared_mutex parameters_mutex_;  // for those of the state

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <sstream>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "common/config/document.h"
 #include "common/config/reader.h"
 #include "common/config/writer.h"
@@ -132,14 +134,31 @@ Recipe parseRecipe(const std::string& yaml, const std::string& file,
   if (recipe.stages.empty()) {
     document.fail("stages", "at least one stage", "none");
   }
+  if (recipe.validation.agents.empty()) {
+    document.fail("validation.agents", "at least one number of agents", "none");
+  }
+  const bool ga3c = recipe.algorithm == "ga3c";
+  if (!ga3c && recipe.ppo.minibatch < recipe.shards) {
+    document.fail("ppo.minibatch",
+                  fmt::format("at least one sample for each of {} shards", recipe.shards),
+                  fmt::format("{}", recipe.ppo.minibatch));
+  }
+  if (ga3c && recipe.ppo.mirrored_share > 0.0) {
+    document.fail("ppo.mirrored_share", "0, with ga3c",
+                  fmt::format("{}", recipe.ppo.mirrored_share));
+  }
   for (std::size_t i = 0; i < recipe.stages.size(); ++i) {
     const Stage& stage = recipe.stages[i];
+    if (ga3c && stage.sharp_share > 0.0) {
+      document.fail("stages[" + std::to_string(i) + "].sharp_share", "0, with ga3c",
+                    fmt::format("{}", stage.sharp_share));
+    }
     if (stage.max_agents < stage.min_agents) {
       document.fail("stages[" + std::to_string(i) + "].max_agents",
                     "at least " + std::to_string(stage.min_agents),
                     std::to_string(stage.max_agents));
     }
-    if (recipe.algorithm == "ga3c" && stage.world != "ideal") {
+    if (ga3c && stage.world != "ideal") {
       document.fail("stages[" + std::to_string(i) + "].world", "ideal, with ga3c", stage.world);
     }
   }

@@ -94,6 +94,10 @@ class Session {
   bool run() {
     const auto total = static_cast<long>(totalAgentSteps(folder_.recipe()));
     const Recipe& recipe = folder_.recipe();
+    if (trainer_->state().agent_steps >= total) {
+      // It may have been interrupted while it was judged last.
+      return judgeAndSave();
+    }
     while (trainer_->state().agent_steps < total) {
       const IterationFigures figures = trainer_->iterate();
       reward_.add(figures.reward, static_cast<double>(figures.episodes));
@@ -103,14 +107,18 @@ class Session {
       if (ended || stop_.requested() || watch_->read().wall_s - last_report_s_ >= kReportEvery_s) {
         report(figures, total);
       }
-      if (ended || passed(last_validation_, steps, recipe.validation.every_agent_steps)) {
+      if (ended) {
+        trainer_->renewEnvironments();
+        return judgeAndSave();
+      }
+      if (passed(last_validation_, steps, recipe.validation.every_agent_steps)) {
         judge();
       }
-      if (ended || passed(last_checkpoint_, steps, recipe.checkpoint_agent_steps)) {
+      if (passed(last_checkpoint_, steps, recipe.checkpoint_agent_steps)) {
         trainer_->renewEnvironments();
         folder_.saveCheckpoint(*trainer_, watch_->read());
       }
-      if (stop_.requested() && !ended) {
+      if (stop_.requested()) {
         trainer_->renewEnvironments();
         folder_.saveCheckpoint(*trainer_, watch_->read());
         return false;
@@ -142,17 +150,29 @@ class Session {
                static_cast<double>(total - steps) / rate / 60.0);
   }
 
-  void judge() {
+  /// Of a run at its end. False: interrupted.
+  bool judgeAndSave() {
+    folder_.saveCheckpoint(*trainer_, watch_->read());
+    if (!judge()) {
+      return false;
+    }
+    folder_.saveCheckpoint(*trainer_, watch_->read());
+    return true;
+  }
+
+  /// False: interrupted.
+  bool judge() {
     const auto figures = validate(folder_.recipe().validation,
                                   folder_.networkFile(*trainer_, watch_->read(), "being judged"),
                                   threads_, [this] { return !stop_.requested(); });
     if (!figures) {
-      return;
+      return false;
     }
     const bool best = folder_.keep(*trainer_, watch_->read(), *figures);
     fmt::print(stderr, "validation: success {:.4f}, extra time {:.3f} s, cost {:.3f} s{}\n",
                figures->success_share, figures->extra_time_s, figures->cost_s,
                best ? ", the best so far" : "");
+    return true;
   }
 
   app::StopSignal stop_;
@@ -174,6 +194,13 @@ RunFolder folderOf(const Options& options) {
     throw core::StartupError("train", "--out", "a folder for the run", "none");
   }
   if (options.resume) {
+    if (!options.recipe.empty() || !options.overrides.empty() || options.seed) {
+      throw core::StartupError("train", "--resume",
+                               "no RECIPE, --set or --seed: the run has its own",
+                               !options.recipe.empty()     ? options.recipe
+                               : options.overrides.empty() ? "--seed"
+                                                           : options.overrides.front());
+    }
     return RunFolder::open(options.folder);
   }
   if (options.recipe.empty()) {
@@ -210,7 +237,9 @@ void addTrainCommand(CLI::App& app, int& exit_status) {
       ->allow_extra_args(false)
       ->take_all();
   command->add_option("--seed", options->seed, "Instead of the recipe's");
-  command->add_option("--threads", options->threads, "Default: one a core; changes no result")
+  command
+      ->add_option("--threads", options->threads,
+                   "Default: one a core; changes no result but with ga3c")
       ->check(CLI::Range(1, 1024));
   command->add_option("--plot", options->plotted,
                       "Draw how the rolling reward of these runs grew, mean and deviation");

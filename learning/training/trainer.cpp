@@ -2,11 +2,31 @@
 
 #include <utility>
 
+#include "common/core/error.h"
 #include "learning/training/ga3c_trainer.h"
 #include "learning/training/imitation.h"
 #include "learning/training/ppo_trainer.h"
+#include "learning/training/weight_files.h"
 
 namespace roundabout::learning {
+
+namespace {
+
+/// Throws core::StartupError unless a network means by its inputs and outputs what this plan does.
+void expectTheSameKind(const planner::nn::TensorFile& file, const ParameterLayout& layout,
+                       const NetworkPlan& plan, const std::string& path) {
+  const planner::nn::TensorFile ours = weightFile(plan, Parameters::Zero(layout.size()), "");
+  for (const char* key : {"architecture", "others_order", "value_baseline"}) {
+    const auto wanted = ours.metadata.find(key);
+    const auto found = file.metadata.find(key);
+    const std::string has = found == file.metadata.end() ? "none" : found->second;
+    if (wanted != ours.metadata.end() && has != wanted->second) {
+      throw core::StartupError(path, key, wanted->second + ", as the recipe says", has);
+    }
+  }
+}
+
+}  // namespace
 
 TrainingState initialState(const Recipe& recipe) {
   const ParameterLayout layout = networkPlan(recipe).layout();
@@ -15,8 +35,9 @@ TrainingState initialState(const Recipe& recipe) {
     core::RandomStream random(recipe.seed, "training/parameters");
     state.parameters = initialParameters(layout, random);
   } else {
-    state.parameters =
-        layout.read(planner::nn::readSafetensors(recipe.begin_with), "", recipe.begin_with);
+    const planner::nn::TensorFile file = planner::nn::readSafetensors(recipe.begin_with);
+    expectTheSameKind(file, layout, networkPlan(recipe), recipe.begin_with);
+    state.parameters = layout.read(file, "", recipe.begin_with);
   }
   if (recipe.imitation.updates > 0) {
     imitate(recipe, gatherDemonstrations(recipe), state.parameters);

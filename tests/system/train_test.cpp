@@ -21,7 +21,7 @@ checkpoint_agent_steps: 300
 ppo: {environments: 8, steps: 8, minibatch: 128}
 validation: {every_agent_steps: 1000, agents: [2], cases: 2}
 stages:
-  - {name: tiny, agent_steps: 2000, max_agents: 3}
+  - {name: tiny, agent_steps: 6000, max_agents: 3}
 )";
 
 class Train : public FlightLab {
@@ -65,7 +65,7 @@ TEST_F(Train, EndsTheSameWhenItWasKilledAndResumed) {
     return std::filesystem::exists(scratch_ / "killed" / "checkpoint.safetensors");
   });
   process.signal(SIGKILL);
-  finish(process);
+  ASSERT_EQ(finish(process).status.signal, SIGKILL) << "it had ended already: this shows nothing";
   const Ended resumed = run("roundabout", {"train", "--resume", "--threads", "1", "--out",
                                            (scratch_ / "killed").string()});
   EXPECT_TRUE(resumed.status.clean()) << resumed.status.describe();

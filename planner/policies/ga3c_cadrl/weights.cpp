@@ -77,6 +77,9 @@ std::optional<StallSettings> stallSettings(const nn::WeightFile& file, const std
     return std::nullopt;
   }
   const std::vector<float> numbers = file.numbers(key, 3, true);
+  if (!(numbers[0] >= 1.0F && numbers[0] <= 1e6F) || numbers[0] != std::floor(numbers[0])) {
+    file.failMetadata(key, "a whole number of decisions first", file.text(key));
+  }
   return StallSettings{static_cast<int>(numbers[0]), numbers[1], numbers[2]};
 }
 

@@ -142,7 +142,12 @@ TEST_P(Network, GradientIsThatOfTheSamplesOneByOne) {
 
 TEST_P(Network, TakesNobodyAtAll) {
   const auto network = makeNetwork(plan());
+  const Batch batch = batchOf(someObservations(plan(), 10));
+  gradientOf(*network, batch, someHeadGradients(10));  // it remembers those
   EXPECT_EQ(network->forward(parameters_, Batch()).rows(), 0);
+  Parameters gradient = Parameters::Zero(layout_.size());
+  network->backward(parameters_, Batch(), Matrix(0, kHeads), gradient);
+  EXPECT_TRUE(gradient.isZero(0.0F));
 }
 
 std::string nameOf(const testing::TestParamInfo<NetworkPlan>& info) {

@@ -31,6 +31,16 @@ TEST(Recipe, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(errorOf("stages: [{name: a}]", {"seed=4"}), "");
 }
 
+TEST(Recipe, RefusesWhatWouldDoNothingOrBreak) {
+  const std::string stages = "\nstages: [{name: a}]";
+  EXPECT_THAT(errorOf("validation: {agents: []}" + stages), HasSubstr("validation.agents"));
+  EXPECT_THAT(errorOf("shards: 8\nppo: {minibatch: 4}" + stages), HasSubstr("ppo.minibatch"));
+  EXPECT_THAT(errorOf("algorithm: ga3c\nppo: {mirrored_share: 0.5}" + stages),
+              HasSubstr("ppo.mirrored_share"));
+  EXPECT_THAT(errorOf("algorithm: ga3c\nstages: [{name: a, sharp_share: 0.5}]"),
+              HasSubstr("stages[0].sharp_share"));
+}
+
 TEST(Recipe, SaysWhichStageItIsTheTimeFor) {
   Recipe recipe = test::smallRecipe();
   recipe.stages.push_back(recipe.stages[0]);

@@ -65,6 +65,9 @@ class TrainCommand : public testing::TestWithParam<std::string> {
   TrainCommand() {
     Recipe recipe = test::smallRecipe();
     recipe.algorithm = GetParam();
+    if (recipe.algorithm == "ga3c") {
+      recipe.stages[0].sharp_share = 0.0;
+    }
     recipe.ga3c.environments = 6;
     recipe.ga3c.iteration_samples = 200;
     recipe.stages[0].agent_steps = 6'000;

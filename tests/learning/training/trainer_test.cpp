@@ -9,6 +9,7 @@
 #include "learning/training/imitation.h"
 #include "learning/training/run_folder.h"
 #include "learning/training/training_figure.h"
+#include "learning/training/weight_files.h"
 #include "tests/learning/training/small_recipe.h"
 #include "tests/planner/policies/random_scene.h"
 #include "tests/support/scratch_folder.h"
@@ -33,7 +34,11 @@ class ExactTraining : public testing::TestWithParam<std::string> {
   static Recipe recipe() {
     Recipe recipe = test::smallRecipe();
     recipe.algorithm = GetParam();
-    recipe.ppo.mirrored_share = 0.5;
+    if (recipe.algorithm == "ga3c") {
+      recipe.stages[0].sharp_share = 0.0;
+    } else {
+      recipe.ppo.mirrored_share = 0.5;
+    }
     recipe.ga3c.environments = 6;
     recipe.ga3c.iteration_samples = 400;
     recipe.imitation = {.updates = 2, .batch = 50, .cases = 3};
@@ -41,6 +46,21 @@ class ExactTraining : public testing::TestWithParam<std::string> {
     return recipe;
   }
 };
+
+TEST(Training, BeginsWithNoNetworkThatMeansSomethingElse) {
+  const test::ScratchFolder scratch;
+  Recipe recipe = test::smallRecipe();
+  recipe.others_order = "closest_first";
+  const NetworkPlan plan = networkPlan(recipe);
+  planner::nn::writeSafetensors(scratch / "first.safetensors",
+                                weightFile(plan, initialState(recipe).parameters, "test"));
+  recipe.begin_with = scratch / "first.safetensors";
+  EXPECT_NO_THROW(initialState(recipe));
+  recipe.others_order = "closest_last";
+  EXPECT_THAT(test::startupErrorOf([&] { initialState(recipe); }),
+              AllOf(HasSubstr("others_order"), HasSubstr("closest_last, as the recipe says"),
+                    HasSubstr("closest_first")));
+}
 
 TEST_P(ExactTraining, IsTheSameTwice) {
   const auto one = trainerOf(recipe());
