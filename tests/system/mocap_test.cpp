@@ -177,7 +177,13 @@ api.on('frame', (data) => {
   console.log(JSON.stringify({names, bodies: data.components['6d'].rigidBodies}));
   process.exit(0);
 });
-api.connect(Number(process.argv[3]), '127.0.0.1')
+const port = Number(process.argv[3]);
+const listening = (resolve) => {
+  const probe = require('net').connect(port, '127.0.0.1', () => { probe.destroy(); resolve(); });
+  probe.on('error', () => setTimeout(listening, 20, resolve));
+};
+new Promise(listening)
+  .then(() => api.connect(port, '127.0.0.1'))
   .then(() => api.getParameters('6D'))
   .then((parameters) => {
     names = parameters.the6d.body.map((body) => body.name);
