@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <tuple>
 
-#include "common/core/frame_gate.h"
-
 namespace roundabout::planner {
 
 namespace {
@@ -12,6 +10,8 @@ namespace {
 // Of one vehicle between two ticks; planners send one, and one more for each KILL order. Without
 // frames there is no tick, and planners go on: the newest count.
 constexpr int kMostPending = 8;
+// A planner that acts on silence is that much ahead of the frames; later it says nothing new.
+constexpr core::Utime kLargestLead = core::kMicrosPerSecond;
 }  // namespace
 
 CommandBook::CommandBook(const config::Experiment& experiment)
@@ -27,8 +27,11 @@ const char* CommandBook::offer(const core::Command& command, core::Utime newest_
     return "of a vehicle that the experiment does not have";
   }
   const auto vehicle = static_cast<std::size_t>(found - names_.begin());
-  if (command.utime < 0 || (newest_frame > 0 && command.utime > newest_frame + core::kFarAhead)) {
+  if (command.utime < 0) {
     return "its time stamp is corrupt";
+  }
+  if (newest_frame > 0 && command.utime > newest_frame + kLargestLead) {
+    return "more than a second ahead of the newest states";
   }
   if (command.utime < newest_[vehicle]) {
     return "older than the command before";
