@@ -58,6 +58,15 @@ TEST_P(Hostile, MutatedSeedsDoNoHarm) {
   }
 }
 
+TEST_P(Hostile, ASeedIsUnderstood) {
+  std::size_t most = 0;
+  for (const Input& seed : GetParam().seeds()) {
+    most = std::max(most, GetParam().run(seed));
+  }
+  const bool file = std::string(GetParam().name) == "packet_file";
+  EXPECT_GE(most, file ? 1U : 4U) << "packets have to meet what those before them left";
+}
+
 TEST_P(Hostile, SeedsCutAtEveryByteDoNoHarm) {
   for (const Input& seed : GetParam().seeds()) {
     const std::size_t most = std::min<std::size_t>(seed.size(), 600);

@@ -16,8 +16,9 @@ using Input = std::vector<std::byte>;
 
 struct FuzzTarget {
   const char* name;
-  /// Must neither crash nor throw nor allocate more than the input's size allows.
-  void (*run)(mocap_bridge::Bytes input);
+  /// Must neither crash nor throw nor allocate more than the input's size allows. Returns how many
+  /// frames, or packets of a file, were understood.
+  std::size_t (*run)(mocap_bridge::Bytes input);
   /// Valid inputs to begin with: made by our own writers, and the captured packets where they are.
   std::vector<Input> (*seeds)();
 };
