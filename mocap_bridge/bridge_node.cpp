@@ -1,5 +1,7 @@
 #include "mocap_bridge/bridge_node.h"
 
+#include <algorithm>
+
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 
@@ -8,6 +10,8 @@ namespace roundabout::mocap_bridge {
 namespace {
 
 constexpr core::Utime kCheckSetUpAfter = 2 * core::kMicrosPerSecond;
+// Longer than a flip, swap or jump needs to be known for one.
+constexpr core::Utime kLostForLong = 1'200'000;
 // Without a camera frame for so long there is nothing to predict from.
 constexpr core::Utime kLongestPrediction = 100'000;
 // Measurements may be a little outside the room.
@@ -47,8 +51,9 @@ void BridgeNode::poll(core::Utime now) {
 
 core::Utime BridgeNode::nextDeadline(core::Utime now) const {
   constexpr core::Utime kLongest = 20'000;
-  return resampled_ && last_tick_ != 0 ? std::min(now + kLongest, last_tick_ + period_us_)
-                                       : now + kLongest;
+  const core::Utime left = last_tick_ + period_us_ - source_->dataTime(now);
+  return now +
+         (resampled_ && last_tick_ != 0 ? std::clamp<core::Utime>(left, 0, kLongest) : kLongest);
 }
 
 void BridgeNode::onFrame(const SourceFrame& frame) {
@@ -88,19 +93,25 @@ void BridgeNode::publishResampled(core::Utime data_time) {
 }
 
 void BridgeNode::noteTracks(const SourceFrame& frame) {
-  for (const StateEstimator::Vehicle& vehicle : estimator_.vehicles()) {
-    if (vehicle.tracker.stuckSince(frame.exposure_utime)) {
+  for (std::size_t i = 0; i < estimator_.vehicles().size(); ++i) {
+    const StateEstimator::Vehicle& vehicle = estimator_.vehicles()[i];
+    const core::Utime last_seen = estimator_.states().vehicles[i].last_seen;
+    const std::string kind = "lost " + vehicle.name;
+    if (vehicle.last == Verdict::kAccepted) {
+      notes_.over(kind, vehicle.name + " is believed again");
+    } else if (const auto fault = vehicle.tracker.stuckWith(frame.exposure_utime)) {
       notes_.once(
-          "stuck " + vehicle.name,
-          vehicle.last == Verdict::kFlip
-              ? fmt::format("{}: body {} has been seen the wrong way round for a second and is "
-                            "not believed. Are its markers too symmetric?",
-                            vehicle.name, vehicle.body)
-              : fmt::format("{}: body {} has been seen at another vehicle's place for a second "
-                            "and is not believed. Have two bodies been exchanged?",
-                            vehicle.name, vehicle.body));
-    } else if (vehicle.last == Verdict::kAccepted) {
-      notes_.over("stuck " + vehicle.name, vehicle.name + " is believed again");
+          kind, *fault == Verdict::kFlip
+                    ? fmt::format("{}: body {} has been seen the wrong way round for a second and "
+                                  "is not believed. Are its markers too symmetric?",
+                                  vehicle.name, vehicle.body)
+                    : fmt::format("{}: body {} has been seen at another vehicle's place for a "
+                                  "second and is not believed. Have two bodies been exchanged?",
+                                  vehicle.name, vehicle.body));
+    } else if (last_seen != 0 && frame.exposure_utime - last_seen > kLostForLong) {
+      notes_.once(kind, fmt::format("{}: nothing of body {} could be used for more than a second; "
+                                    "now it is {}",
+                                    vehicle.name, vehicle.body, nameOf(vehicle.last)));
     }
   }
 }

@@ -22,7 +22,7 @@ class BridgeNode final : private PacketSink {
   /// Handles what has arrived and publishes what is due. `now`: us, Unix time of a clock that does
   /// not jump.
   void poll(core::Utime now);
-  /// Until when there is nothing to do but wait for packets.
+  /// Until when, on the clock of `now`, there is nothing to do but wait for packets.
   core::Utime nextDeadline(core::Utime now) const;
   void addDescriptors(std::vector<pollfd>& descriptors) const {
     source_->addDescriptors(descriptors);

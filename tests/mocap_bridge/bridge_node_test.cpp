@@ -30,8 +30,10 @@ class FedSource final : public Source {
   }
   void addDescriptors(std::vector<pollfd>&) const override {}
   SourceStatus status() const override { return {}; }
+  core::Utime dataTime(core::Utime now) const override { return now - recorded_ago; }
 
   std::vector<SourceFrame> frames;
+  core::Utime recorded_ago = 0;
 };
 
 class BridgeNodeTest : public testing::Test {
@@ -119,6 +121,37 @@ TEST_F(BridgeNodeTest, ResampledMessagesSayFromWhichFrameTheyAre) {
   }
   bus_.handle(std::chrono::milliseconds(0));
   EXPECT_LE(heard_.size(), before + 10) << "without frames there is nothing to predict from";
+}
+
+TEST_F(BridgeNodeTest, BetweenResampledMessagesOfARecordingThereIsTimeToWait) {
+  experiment_.mocap.output = "resampled";
+  start();
+  constexpr core::Utime kYear = 31'536'000 * core::kMicrosPerSecond;
+  source_->recorded_ago = kYear;
+  run(0.1);
+  const core::Utime now = kEpoch + kYear + number_ * 5'000 + 7'000;
+  node_->poll(now);
+  EXPECT_GT(node_->nextDeadline(now), now);
+  EXPECT_LE(node_->nextDeadline(now), now + 5'000);
+}
+
+TEST_F(BridgeNodeTest, WhatKeepsABodyFromBeingUsedIsSaidInFlight) {
+  start();
+  run(2.5);
+  notes_.clear();
+  run(1.5, [](SourceFrame& frame) { frame.bodies[0].residual_m = 0.1; });
+  EXPECT_THAT(notes_,
+              testing::ElementsAre(testing::AllOf(HasSubstr("hex1"), HasSubstr("bad fit"))));
+  run(0.5);
+  EXPECT_EQ(notes_.size(), 2U);
+  notes_.clear();
+  // The fault of the track is said, whatever the last frame's was.
+  run(1.5, [](SourceFrame& frame) {
+    frame.bodies[0].orientation =
+        frame.bodies[0].orientation * Eigen::AngleAxisd(3.14159, Eigen::Vector3d::UnitZ());
+    frame.bodies[0].tracked = frame.number % 4 != 3;
+  });
+  EXPECT_THAT(notes_, testing::ElementsAre(HasSubstr("wrong way round")));
 }
 
 TEST_F(BridgeNodeTest, WhatIsPlayedBackIsNotPublishedAndSaidOnce) {
