@@ -18,6 +18,7 @@ constexpr double kAngleMargin_rad = 0.3;
 // A turn by more than this in no time is a flip, not an outlier.
 constexpr double kFlip_rad = 1.0;
 constexpr int kEnough = 3;
+constexpr core::Utime kSlowestInterval = core::kMicrosPerSecond / 4;
 constexpr core::Utime kBelieveJumpAfter = core::kMicrosPerSecond;
 constexpr core::Utime kRememberPlace = 2 * core::kMicrosPerSecond;
 // Longer ago, nothing is known of where it is now.
@@ -70,8 +71,7 @@ BodyTracker::Fit BodyTracker::fitOf(const Track& expected, const MeasuredPose& p
   const double place_deviation = expected.position.innovationDeviation();
   const double angle_deviation = expected.attitude.innovationDeviation();
   return {distance_m <= kGate * place_deviation + kPlaceMargin_m,
-          angle_rad <= kGate * angle_deviation + kAngleMargin_rad,
-          std::max(distance_m / place_deviation, angle_rad / angle_deviation)};
+          angle_rad <= kGate * angle_deviation + kAngleMargin_rad};
 }
 
 Verdict BodyTracker::check(const MeasuredPose& pose) {
@@ -94,43 +94,52 @@ Verdict BodyTracker::check(const MeasuredPose& pose) {
   return repeats_ + 1 >= kFrozenFrames ? Verdict::kFrozen : Verdict::kAccepted;
 }
 
-Verdict BodyTracker::note(Verdict verdict) {
+Verdict BodyTracker::note(core::Utime utime, Verdict verdict) {
   ++counts_[static_cast<std::size_t>(verdict)];
   in_last_frame_ = verdict == Verdict::kAccepted;
+  last_frame_ = utime;
   return verdict;
 }
 
-Verdict BodyTracker::miss(core::Utime /*utime*/) { return note(Verdict::kAbsent); }
+Verdict BodyTracker::miss(core::Utime utime) { return note(utime, Verdict::kAbsent); }
 
 Verdict BodyTracker::update(core::Utime utime, const MeasuredPose& measured, bool others_place) {
+  return note(utime, judge(utime, measured, others_place));
+}
+
+bool BodyTracker::goesOn(const Track& track, core::Utime utime, core::Utime longest_gap) const {
+  const core::Utime gap = utime - track.last;
+  return gap <= longest_gap || (track.last == last_frame_ && gap <= kSlowestInterval);
+}
+
+Verdict BodyTracker::judge(core::Utime utime, const MeasuredPose& measured, bool others_place) {
   const Verdict verdict = check(measured);
   if (verdict != Verdict::kAccepted) {
-    return note(verdict);
+    return verdict;
   }
   MeasuredPose pose = measured;
   pose.orientation.normalize();
   if (believed_ && utime <= believed_->last) {
-    return note(Verdict::kAbsent);  // nothing can be learned from the past
+    return Verdict::kAbsent;  // nothing can be learned from the past
   }
-  if (believed_ && utime - believed_->last <= settings_.coast_us) {
+  if (believed_ && goesOn(*believed_, utime, settings_.coast_us)) {
     Track expected = believed_->predicted(utime);
     const Fit fit = fitOf(expected, pose);
     if (fit.place && fit.angle) {
-      surprise_ = fit.surprise;
       expected.take(utime, pose);
       believed_ = expected;
       candidate_.reset();
       rejected_.reset();
-      return note(Verdict::kAccepted);
+      return Verdict::kAccepted;
     }
   }
-  return note(followCandidate(utime, pose, others_place));
+  return followCandidate(utime, pose, others_place);
 }
 
 Verdict BodyTracker::followCandidate(core::Utime utime, const MeasuredPose& pose,
                                      bool others_place) {
   // Two frames may be missing within a candidate.
-  if (!candidate_ || utime - candidate_->last > settings_.reacquire_us) {
+  if (!candidate_ || !goesOn(*candidate_, utime, settings_.reacquire_us)) {
     return beginCandidate(utime, pose, others_place);
   }
   Track expected = candidate_->predicted(utime);
@@ -149,7 +158,6 @@ Verdict BodyTracker::followCandidate(core::Utime utime, const MeasuredPose& pose
   believed_ = candidate_;
   candidate_.reset();
   rejected_.reset();
-  surprise_ = 0.0;
   return Verdict::kAccepted;
 }
 
@@ -229,10 +237,11 @@ std::optional<Eigen::Vector3d> BodyTracker::placeAt(core::Utime utime) const {
   return believed_->position.position() + seconds * believed_->position.velocity();
 }
 
-bool BodyTracker::stuckSince(core::Utime utime) const {
-  return candidate_ && (candidate_fault_ == Verdict::kFlip || candidate_fault_ == Verdict::kSwap) &&
-         utime - candidate_->begin > core::kMicrosPerSecond &&
-         utime - candidate_->last <= settings_.reacquire_us;
+std::optional<Verdict> BodyTracker::stuckWith(core::Utime utime) const {
+  const bool stuck = candidate_ && isForGood(candidate_fault_) &&
+                     utime - candidate_->begin > core::kMicrosPerSecond &&
+                     goesOn(*candidate_, utime, settings_.reacquire_us);
+  return stuck ? std::optional(candidate_fault_) : std::nullopt;
 }
 
 }  // namespace roundabout::mocap_bridge

@@ -49,6 +49,9 @@ const char* nameOf(Verdict verdict);
 
 /// One vehicle's poses to its state. Never throws, allocates nothing.
 ///
+/// Gaps are counted in seconds, but for cameras so slow that one frame to the next is longer: to
+/// them, a track of the last frame goes on (from 4 Hz).
+///
 /// A measurement that the filters expect is taken. Any other begins a candidate: a track of its
 /// own, which replaces the believed one once it has lasted for reacquire_us, if its first pose
 /// could be reached from the believed one in the time since then. A candidate that began with a
@@ -72,11 +75,9 @@ class BodyTracker {
 
   /// Where it is believed to be, until a while after it was lost.
   std::optional<Eigen::Vector3d> placeAt(core::Utime utime) const;
-  /// A flip or swap that has lasted for a second is worth a word to the operator.
-  bool stuckSince(core::Utime utime) const;
+  /// Flip or swap, where one has lasted for a second: worth a word to the operator.
+  std::optional<Verdict> stuckWith(core::Utime utime) const;
   std::int64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
-  /// Of the last measurement that was taken, in standard deviations of what was expected.
-  double surprise() const { return surprise_; }
 
  private:
   struct Track {
@@ -97,7 +98,6 @@ class BodyTracker {
   struct Fit {
     bool place = false;
     bool angle = false;
-    double surprise = 0.0;
   };
 
   Verdict check(const MeasuredPose& pose);
@@ -107,7 +107,9 @@ class BodyTracker {
   Verdict followCandidate(core::Utime utime, const MeasuredPose& pose, bool others_place);
   bool reachable(core::Utime utime, const MeasuredPose& pose) const;
   bool continuesRejected(core::Utime utime, const MeasuredPose& pose) const;
-  Verdict note(Verdict verdict);
+  bool goesOn(const Track& track, core::Utime utime, core::Utime longest_gap) const;
+  Verdict judge(core::Utime utime, const MeasuredPose& measured, bool others_place);
+  Verdict note(core::Utime utime, Verdict verdict);
 
   TrackerSettings settings_;
   std::optional<Track> believed_;
@@ -118,7 +120,7 @@ class BodyTracker {
   MeasuredPose last_pose_;
   int repeats_ = 0;
   bool in_last_frame_ = false;
-  double surprise_ = 0.0;
+  core::Utime last_frame_ = 0;
   std::array<std::int64_t, kVerdicts> counts_{};
 };
 

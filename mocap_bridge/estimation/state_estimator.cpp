@@ -11,8 +11,8 @@ namespace roundabout::mocap_bridge {
 
 namespace {
 
-// Vehicles' centres are never so close.
-constexpr double kSamePlace_m = 0.25;
+// Of the smaller body's radius: centres are never so close side by side.
+constexpr double kSamePlace = 0.7;
 constexpr core::Utime kNewEpoch = core::kMicrosPerSecond / 2;
 // Acceleration that a vehicle may have had when it was found again.
 constexpr double kFoundAcceleration_mps2 = 10.0;
@@ -61,12 +61,14 @@ StateEstimator::StateEstimator(const config::Experiment& experiment, const std::
       mapping.offset_m = body->offset_m;
       mapping.rotation = fromRollPitchYaw(body->rotation_rad);
     }
+    radii_m_.push_back(vehicle.body_radius_m);
     settings_.push_back(settingsOf(experiment.mocap.filter, vehicle));
     vehicles_.push_back({vehicle.name, text(key), false, BodyTracker(settings_.back())});
     mappings_.push_back(std::move(mapping));
     states_.vehicles.emplace_back().name = vehicle.name;
   }
   places_.resize(vehicles_.size());
+  poses_.resize(vehicles_.size());
 }
 
 std::vector<std::string> StateEstimator::unmappedBodies(const SourceFrame& frame) const {
@@ -107,17 +109,25 @@ MeasuredPose StateEstimator::measured(const Mapping& mapping, const BodyPose& bo
 bool StateEstimator::isOthersPlace(std::size_t vehicle, const Eigen::Vector3d& position_m,
                                    core::Utime utime) const {
   const auto own = vehicles_[vehicle].tracker.placeAt(utime);
-  const double own_m = own ? (*own - position_m).norm() : kSamePlace_m;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (i == vehicle || !places_[i]) {
       continue;
     }
+    const double same_m = kSamePlace * std::min(radii_m_[vehicle], radii_m_[i]);
     const double other_m = (*places_[i] - position_m).norm();
-    if (other_m < kSamePlace_m && other_m < own_m) {
+    // Of a vehicle whose place is not known, only another's that is empty: it may stand on one.
+    const bool rather_there = own ? other_m < (*own - position_m).norm() : !isSeenAt(i, same_m);
+    if (other_m < same_m && rather_there) {
       return true;
     }
   }
   return false;
+}
+
+// Its own body is where it is believed to be.
+bool StateEstimator::isSeenAt(std::size_t vehicle, double within_m) const {
+  return poses_[vehicle] && poses_[vehicle]->tracked &&
+         (poses_[vehicle]->position_m - *places_[vehicle]).norm() < within_m;
 }
 
 void StateEstimator::forget() {
@@ -145,17 +155,18 @@ bool StateEstimator::update(const SourceFrame& frame) {
   states_.exposure_utime = utime;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     places_[i] = vehicles_[i].tracker.placeAt(utime);
+    const BodyPose* body = find(mappings_[i], frame);
+    vehicles_[i].streamed = body != nullptr;
+    poses_[i] = body == nullptr ? std::nullopt : std::optional(measured(mappings_[i], *body));
   }
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     Vehicle& vehicle = vehicles_[i];
-    const BodyPose* body = find(mappings_[i], frame);
-    vehicle.streamed = body != nullptr;
-    if (body == nullptr) {
+    if (const std::optional<MeasuredPose>& pose = poses_[i]) {
+      const bool others = isOthersPlace(i, pose->position_m, utime);
+      vehicle.last = vehicle.tracker.update(utime, *pose, others);
+    } else {
       vehicle.last = vehicle.tracker.miss(utime);
-      continue;
     }
-    const MeasuredPose pose = measured(mappings_[i], *body);
-    vehicle.last = vehicle.tracker.update(utime, pose, isOthersPlace(i, pose.position_m, utime));
   }
   fill(utime);
   return true;

@@ -32,8 +32,7 @@ class StateEstimator {
     std::int64_t epochs = 0;    ///< times that everything was forgotten, since time went back
   };
 
-  /// `usual_axes`: what mocap.axes "auto" means. Throws core::StartupError: axes that are none, or
-  /// bodies of vehicles that do not exist or have two.
+  /// `usual_axes`: what mocap.axes "auto" means. Throws core::StartupError: axes that are none.
   StateEstimator(const config::Experiment& experiment, const std::string& usual_axes);
 
   /// True if the frame was used; states() is then of its exposure.
@@ -62,6 +61,7 @@ class StateEstimator {
   MeasuredPose measured(const Mapping& mapping, const BodyPose& body) const;
   bool isOthersPlace(std::size_t vehicle, const Eigen::Vector3d& position_m,
                      core::Utime utime) const;
+  bool isSeenAt(std::size_t vehicle, double within_m) const;
   void forget();
   void fill(core::Utime utime);
 
@@ -71,7 +71,9 @@ class StateEstimator {
   std::vector<TrackerSettings> settings_;
   std::vector<Mapping> mappings_;
   std::vector<Vehicle> vehicles_;
-  std::vector<std::optional<Eigen::Vector3d>> places_;
+  std::vector<double> radii_m_;
+  std::vector<std::optional<Eigen::Vector3d>> places_;  // believed, before the frame
+  std::vector<std::optional<MeasuredPose>> poses_;      // in the frame
   core::StatesFrame states_;
   Counters counters_;
 };

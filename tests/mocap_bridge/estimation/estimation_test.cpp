@@ -177,7 +177,7 @@ TEST_F(EstimatorTest, ExchangedBodiesAreNeverPublishedThoughTheyStayExchanged) {
   run(5.0, [](SourceFrame& frame) { std::swap(frame.bodies[0].name, frame.bodies[1].name); });
   EXPECT_FALSE(state(0).tracked);
   EXPECT_GT(count(0, Verdict::kSwap), 900);
-  EXPECT_TRUE(estimator_.vehicles()[0].tracker.stuckSince(estimator_.states().exposure_utime));
+  EXPECT_TRUE(estimator_.vehicles()[0].tracker.stuckWith(estimator_.states().exposure_utime));
   EXPECT_LE(untilTracked(0), 0.1);
   EXPECT_LT(worst_m_, 0.12);
 }
@@ -335,6 +335,48 @@ TEST_F(EstimatorTest, UpdatesAllocateNothing) {
   const std::size_t before = test::allocationCount();
   estimator_.update(frame);
   EXPECT_EQ(test::allocationCount(), before);
+}
+
+TEST(StateEstimator, SlowCamerasAreAcquiredAndKept) {
+  for (const int rate_hz : {5, 10, 15, 19, 30}) {
+    StateEstimator estimator(experimentWith(1), "z_up");
+    test::Cameras cameras;
+    const FlownPath path;
+    int tracked = 0;
+    for (int i = 0; i < 10 * rate_hz; ++i) {
+      SourceFrame frame;
+      frame.exposure_utime = kEpoch + i * core::kMicrosPerSecond / rate_hz;
+      frame.bodies = {cameras.see(path.at(static_cast<double>(i) / rate_hz), "hex1")};
+      estimator.update(frame);
+      tracked += estimator.states().vehicles[0].tracked ? 1 : 0;
+    }
+    EXPECT_GE(tracked, 10 * rate_hz - std::max(4, rate_hz / 10)) << rate_hz << " Hz";
+  }
+}
+
+// Two bodies that stand still, the second of which is uncovered a second later.
+bool secondIsAcquired(double body_radius_m, const Eigen::Vector3d& beside_m) {
+  config::Experiment experiment = experimentWith(2);
+  for (config::Vehicle& vehicle : experiment.vehicles) {
+    vehicle.body_radius_m = body_radius_m;
+  }
+  StateEstimator estimator(experiment, "z_up");
+  test::Cameras cameras;
+  const FlownPath::Truth truth = FlownPath().at(0.0);
+  for (int i = 0; i < 300; ++i) {
+    SourceFrame frame;
+    frame.exposure_utime = kEpoch + i * 5000;
+    frame.bodies = {cameras.see(truth, "hex1"), cameras.see(truth, "hex2")};
+    frame.bodies[1].position_m += beside_m;
+    frame.bodies[1].tracked = i >= 200;
+    estimator.update(frame);
+  }
+  return estimator.states().vehicles[1].tracked;
+}
+
+TEST(StateEstimator, VehiclesCloseToEachOtherAreAcquired) {
+  EXPECT_TRUE(secondIsAcquired(0.06, {0.13, 0.0, 0.0})) << "side by side";
+  EXPECT_TRUE(secondIsAcquired(0.35, {0.0, 0.0, 0.15})) << "one on the other";
 }
 
 TEST(StateEstimator, BodiesByNameByIdAndWithAnOffset) {
