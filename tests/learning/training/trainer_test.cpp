@@ -58,8 +58,9 @@ TEST(Training, BeginsWithNoNetworkThatMeansSomethingElse) {
   EXPECT_NO_THROW(initialState(recipe));
   recipe.others_order = "closest_last";
   EXPECT_THAT(test::startupErrorOf([&] { initialState(recipe); }),
-              AllOf(HasSubstr("others_order"), HasSubstr("closest_last, as the recipe says"),
-                    HasSubstr("closest_first")));
+              testing::AllOf(testing::HasSubstr("others_order"),
+                             testing::HasSubstr("closest_last, as the recipe says"),
+                             testing::HasSubstr("closest_first")));
 }
 
 TEST_P(ExactTraining, IsTheSameTwice) {
