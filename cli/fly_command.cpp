@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "cli/console.h"
+#include "cli/emulation.h"
 #include "cli/flight_folder.h"
 #include "cli/flight_report.h"
 #include "cli/nobody_flies.h"
@@ -17,7 +18,6 @@
 #include "common/bus/lcm_bus.h"
 #include "common/config/experiment_file.h"
 #include "common/config/keys.h"
-#include "mocap_bridge/sources/sockets.h"
 
 namespace roundabout::cli {
 
@@ -37,20 +37,6 @@ struct FlyOptions {
   std::string lcm_url;
   bool no_report = false;
 };
-
-// The bridge listens to this machine, on ports that nobody else uses.
-std::vector<std::string> emulationOverrides(const std::string& protocol) {
-  const auto free_port = [] {
-    return mocap_bridge::UdpSocket("a free port", {mocap_bridge::kLoopback, 0}).port();
-  };
-  return {"source=" + protocol,
-          "mocap.server=127.0.0.1",
-          "mocap.interface=127.0.0.1",
-          "mocap.bodies=[]",
-          "mocap.axes=auto",
-          fmt::format("mocap.command_port={}", free_port()),
-          fmt::format("mocap.data_port={}", free_port())};
-}
 
 std::vector<std::string> allOverrides(const FlyOptions& options) {
   std::vector<std::string> overrides = options.overrides;

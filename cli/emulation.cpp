@@ -1,0 +1,28 @@
+#include "cli/emulation.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "mocap_bridge/sources/sockets.h"
+
+namespace roundabout::cli {
+
+std::vector<std::string> emulationOverrides(const std::string& protocol) {
+  const auto free_port = [] {
+    return mocap_bridge::UdpSocket("a free port", {mocap_bridge::kLoopback, 0}).port();
+  };
+  return {"source=" + protocol,
+          "mocap.server=127.0.0.1",
+          "mocap.interface=127.0.0.1",
+          "mocap.bodies=[]",
+          "mocap.axes=auto",
+          "mocap.transport=auto",
+          "mocap.group=\"\"",
+          "mocap.scale=1",
+          "mocap.rotation=xyz",
+          "mocap.rate_hz=0",
+          "mocap.latency_s=0.005",
+          fmt::format("mocap.command_port={}", free_port()),
+          fmt::format("mocap.data_port={}", free_port())};
+}
+
+}  // namespace roundabout::cli
