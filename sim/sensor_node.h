@@ -34,6 +34,10 @@ class SensorNode {
   std::span<const BodyState> believed(const World& world) {
     return odometers_.believed(world.bodies());
   }
+  core::Command asDriven(const World& world, std::size_t vehicle,
+                         const core::Command& command) const {
+    return odometers_.asDriven(vehicle, command, world.bodies());
+  }
 
  private:
   void publishTruth();

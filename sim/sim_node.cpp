@@ -55,7 +55,7 @@ void SimNode::onCommand(std::size_t vehicle, const roundabout_msgs::command_t& m
   const char* reason = message.vehicle == name ? bus::fromMessage(message, command)
                                                : "names another vehicle than its channel";
   if (reason == nullptr) {
-    reason = world_.accept(vehicle, command);
+    reason = world_.accept(vehicle, sensors_.asDriven(world_, vehicle, command));
   }
   if (reason != nullptr) {
     rejections_.add(bus::commandChannel(name), reason);

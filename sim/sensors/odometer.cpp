@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/core/angles.h"
 #include "common/core/vehicle_state.h"
 
 namespace roundabout::sim {
@@ -73,6 +74,27 @@ std::span<const BodyState> Odometers::believed(std::span<const BodyState> bodies
     }
   }
   return believed_;
+}
+
+core::Command Odometers::asDriven(std::size_t vehicle, const core::Command& command,
+                                  std::span<const BodyState> bodies) const {
+  core::Command driven = command;
+  for (const Robot& robot : robots_) {
+    if (robot.vehicle != vehicle || !robot.localises) {
+      continue;
+    }
+    const BodyState& truth = bodies[vehicle];
+    const BodyState believed = robot.odometer.believed(truth);
+    const double turn_rad =
+        core::headingOf(truth.orientation) - core::headingOf(believed.orientation);
+    const Eigen::Rotation2Dd turn(turn_rad);
+    driven.velocity_world_mps.head<2>() = turn * command.velocity_world_mps.head<2>();
+    driven.position_world_m.head<2>() =
+        truth.position_world_m.head<2>() +
+        turn * (command.position_world_m - believed.position_world_m).head<2>();
+    driven.heading_world_rad = core::wrapToPi(command.heading_world_rad + turn_rad);
+  }
+  return driven;
 }
 
 std::span<const Odometers::Reading> Odometers::read(core::Utime now) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/config/experiment.h"
+#include "common/core/command.h"
 #include "common/core/random.h"
 #include "common/core/sensor_data.h"
 #include "common/core/tick_timer.h"
@@ -51,6 +52,10 @@ class Odometers {
   /// The truth, but of vehicles that are localised by odometry what that says. Valid until the next
   /// call.
   std::span<const BodyState> believed(std::span<const BodyState> bodies);
+  /// What a command comes to in the world: a robot that is localised by odometry drives to places
+  /// and in directions as it believes them to be.
+  core::Command asDriven(std::size_t vehicle, const core::Command& command,
+                         std::span<const BodyState> bodies) const;
   /// Those that are due. Valid until the next call.
   std::span<const Reading> read(core::Utime now);
 

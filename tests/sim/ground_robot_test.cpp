@@ -8,6 +8,7 @@
 #include "common/core/random.h"
 #include "common/core/vehicle_state.h"
 #include "sim/sensors/odometer.h"
+#include "sim/world.h"
 
 namespace roundabout::sim {
 namespace {
@@ -146,6 +147,43 @@ TEST_F(OdometerTest, DriftsAsItsErrorsSay) {
   const double random = 2.0 * 10.0 * std::pow(errors.slip_m, 2.0);
   const double expected_rad = std::sqrt(constant + random) / model_.wheel_base_m;
   EXPECT_NEAR(std::sqrt(squares / kRobots), expected_rad, 0.1 * expected_rad);
+}
+
+TEST(Odometers, ARobotDrivesToWhereItBelievesThatItsGoalIs) {
+  config::Experiment experiment;
+  experiment.file = "test";
+  config::Vehicle rover;
+  rover.name = "rover";
+  rover.model = "ground_robot";
+  rover.start = config::Start{{-3.0, 0.0}, 0.0};
+  rover.localised_by = "odometry";
+  experiment.vehicles = {rover};
+  experiment.sim.ground_robot.odometry.wheel_error = 0.06;
+  World world(experiment, core::kMicrosPerSecond);
+  Odometers odometers(experiment, world.bodies());
+  core::Command command;
+  command.vehicle = "rover";
+  command.mode = core::CommandMode::kPosition;
+  command.position_world_m = {2.0, 1.0, 0.0};
+  command.valid_for_s = 0.3;
+  while (world.now() < 25 * core::kMicrosPerSecond) {
+    if (world.now() % 100'000 == 0) {
+      command.utime = command.state_utime = world.now();
+      ASSERT_EQ(world.accept(0, odometers.asDriven(0, command, world.bodies())), nullptr);
+    }
+    world.step();
+    odometers.step(world.wheels(), experiment.sim.step_s);
+  }
+  const Eigen::Vector2d goal_m = command.position_world_m.head<2>();
+  const auto off = [&](const BodyState& body) -> double {
+    return (body.position_world_m.head<2>() - goal_m).norm();
+  };
+  EXPECT_LT(off(odometers.believed(world.bodies())[0]), 0.05);
+  EXPECT_GT(off(world.bodies()[0]), 0.1);
+  // Who is localised by something else gets its commands as they are.
+  experiment.vehicles[0].localised_by = "mocap";
+  const Odometers unused(experiment, world.bodies());
+  EXPECT_EQ(unused.asDriven(0, command, world.bodies()).position_world_m, command.position_world_m);
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ class Crossing {
     }
     sendGoal(states.utime);
     if (const auto tick = planner_.onFrame(states)) {
-      world_.accept(0, tick->command);
+      world_.accept(0, odometers_.asDriven(0, tick->command, world_.bodies()));
       note(tick->status);
       record();
     }
