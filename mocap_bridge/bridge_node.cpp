@@ -123,7 +123,7 @@ void BridgeNode::noteSetUp(const SourceFrame& frame) {
   set_up_checked_ = true;
   std::vector<std::string> streamed;
   for (const BodyPose& body : frame.bodies) {
-    streamed.push_back(body.name.empty() ? fmt::format("id {}", body.id) : body.name);
+    streamed.push_back(nameOf(body));
   }
   for (std::size_t i = 0; i < estimator_.vehicles().size(); ++i) {
     const StateEstimator::Vehicle& vehicle = estimator_.vehicles()[i];

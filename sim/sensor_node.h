@@ -40,8 +40,6 @@ class SensorNode {
   }
 
  private:
-  void publishTruth();
-
   const config::Experiment experiment_;
   const double step_s_;
   LaserScanners scanners_;

@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 
+#include "common/config/mapped_body.h"
 #include "common/core/error.h"
 #include "mocap_bridge/local_clock.h"
 #include "mocap_bridge/sources/table.h"
@@ -40,25 +41,17 @@ struct Frames final : mocap_bridge::PacketSink {
   bool recorded = false;
 };
 
-std::string nameOf(const BodyPose& body) {
-  return body.name.empty() ? fmt::format("id {}", body.id) : body.name;
-}
-
 /// Bodies that vehicles wait for and that are not streamed.
 std::vector<std::string> missingBodies(const config::Experiment& experiment,
                                        const std::vector<BodyPose>& bodies) {
   std::vector<std::string> missing;
   for (const config::Vehicle& vehicle : experiment.vehicles) {
-    const auto entry = std::find_if(experiment.mocap.bodies.begin(), experiment.mocap.bodies.end(),
-                                    [&](const auto& body) { return body.vehicle == vehicle.name; });
-    const bool mapped = entry != experiment.mocap.bodies.end();
-    const bool by_id = mapped && entry->body.empty() && entry->id >= 0;
-    const std::string name = mapped && !entry->body.empty() ? entry->body : vehicle.name;
+    const config::BodyKey key = config::bodyKeyOf(experiment.mocap, vehicle.name);
     const auto is = [&](const BodyPose& body) {
-      return by_id ? body.id == entry->id : body.name == name;
+      return key.name.empty() ? body.id == key.id : body.name == key.name;
     };
     if (std::none_of(bodies.begin(), bodies.end(), is)) {
-      missing.push_back(by_id ? fmt::format("id {}", entry->id) : name);
+      missing.push_back(text(key));
     }
   }
   return missing;

@@ -53,6 +53,5 @@ double PositionFilter::innovationDeviation() const {
   return std::sqrt(covariance_(0, 0) + noise_.measurement_m * noise_.measurement_m);
 }
 
-double PositionFilter::velocityDeviation() const { return std::sqrt(covariance_(1, 1)); }
 
 }  // namespace roundabout::mocap_bridge

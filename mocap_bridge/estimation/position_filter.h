@@ -27,10 +27,8 @@ class PositionFilter {
 
   const Eigen::Vector3d position() const { return state_.row(0).transpose(); }
   const Eigen::Vector3d velocity() const { return state_.row(1).transpose(); }
-  const Eigen::Vector3d acceleration() const { return state_.row(2).transpose(); }
   /// Standard deviation of a measurement's distance from position(), per axis.
   double innovationDeviation() const;
-  double velocityDeviation() const;
 
  private:
   Noise noise_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <spdlog/fmt/fmt.h>
-
 #include "common/config/mapped_body.h"
 #include "common/core/error.h"
 
@@ -38,10 +36,6 @@ Eigen::Quaterniond fromRollPitchYaw(const Eigen::Vector3d& angles_rad) {
          Eigen::AngleAxisd(angles_rad.x(), Eigen::Vector3d::UnitX());
 }
 
-std::string wantedName(const BodyPose& body) {
-  return body.name.empty() ? fmt::format("id {}", body.id) : body.name;
-}
-
 }  // namespace
 
 bool StateEstimator::Mapping::is(const BodyPose& pose) const {
@@ -69,18 +63,6 @@ StateEstimator::StateEstimator(const config::Experiment& experiment, const std::
   }
   places_.resize(vehicles_.size());
   poses_.resize(vehicles_.size());
-}
-
-std::vector<std::string> StateEstimator::unmappedBodies(const SourceFrame& frame) const {
-  std::vector<std::string> names;
-  for (const BodyPose& body : frame.bodies) {
-    const bool mapped = std::any_of(mappings_.begin(), mappings_.end(),
-                                    [&](const Mapping& mapping) { return mapping.is(body); });
-    if (!mapped) {
-      names.push_back(wantedName(body));
-    }
-  }
-  return names;
 }
 
 const BodyPose* StateEstimator::find(Mapping& mapping, const SourceFrame& frame) const {

@@ -43,8 +43,6 @@ class StateEstimator {
 
   const std::vector<Vehicle>& vehicles() const { return vehicles_; }
   const Counters& counters() const { return counters_; }
-  /// Bodies of the last frame that are no vehicle.
-  std::vector<std::string> unmappedBodies(const SourceFrame& frame) const;
 
  private:
   struct Mapping {

@@ -22,6 +22,11 @@ struct BodyPose {
   double residual_m = std::numeric_limits<double>::quiet_NaN();  ///< of the fit; NaN: not said
 };
 
+/// For people: "Hex_1", or "id 4" where the system says no name.
+inline std::string nameOf(const BodyPose& body) {
+  return body.name.empty() ? "id " + std::to_string(body.id) : body.name;
+}
+
 /// A time stamp or counter of a frame as it stood in the packet.
 struct FrameStamp {
   const char* name;

@@ -9,10 +9,6 @@ namespace roundabout::mocap_bridge {
 
 namespace {
 
-std::string nameOf(const BodyPose& body) {
-  return body.name.empty() ? fmt::format("id {}", body.id) : body.name;
-}
-
 std::string vehicleOf(const std::string& body, const StateEstimator& estimator) {
   for (const StateEstimator::Vehicle& vehicle : estimator.vehicles()) {
     if (vehicle.body == body) {

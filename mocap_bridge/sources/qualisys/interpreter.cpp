@@ -87,7 +87,6 @@ void QualisysInterpreter::onMessage(const Packet& message, core::Utime received,
     }
     case PacketType::kNoMoreData:
       facts.kind = "no_more_data";
-      heard_.no_more_data = true;
       break;
     default:
       facts.kind = "other";

@@ -18,7 +18,6 @@ class QualisysInterpreter final : public Interpreter {
     std::vector<std::string> texts;   ///< answers to commands
     std::vector<std::string> errors;  ///< refusals of commands
     std::vector<Event> events;
-    bool no_more_data = false;
     bool data = false;
   };
 

@@ -40,13 +40,10 @@ enum class Component : std::uint32_t {
 };
 
 enum class Event : std::uint8_t {
-  kConnected = 1,
-  kClosed = 2,
   kCaptureStarted = 3,
   kRtFromFileStarted = 8,
   kRtFromFileStopped = 9,
-  kCameraSettingsChanged = 11,
-  kShuttingDown = 12
+  kCameraSettingsChanged = 11
 };
 
 struct Packet {

@@ -27,7 +27,6 @@ inline constexpr std::string_view kPoseType = "vrpn_Tracker Pos_Quat";
 // Types of the system; those of devices are positive and described by kTypeDescription.
 inline constexpr std::int32_t kSenderDescription = -1;
 inline constexpr std::int32_t kTypeDescription = -2;
-inline constexpr std::int32_t kDisconnect = -5;
 
 struct Message {
   std::int32_t seconds = 0;
