@@ -73,9 +73,10 @@ void LockstepPacing::subscribeWatchers() {
   }
 }
 
-bool LockstepPacing::awaited(const Watcher& watcher, const SimNode& node, core::Utime frame_utime) {
+bool LockstepPacing::awaited(const Watcher& watcher, const SimNode& node) {
   const core::Utime scan = node.sensors().newestScan(watcher.vehicle);
-  return watcher.present && scan > 0 && scan <= frame_utime && watcher.newest < scan;
+  return watcher.present && scan > 0 && scan <= node.newestPose(watcher.vehicle) &&
+         watcher.newest < scan;
 }
 
 bool LockstepPacing::everybodyPresent() const {
@@ -124,16 +125,15 @@ void LockstepPacing::run(SimNode& node, const std::function<bool()>& stop) {
     earliest = std::max(earliest + least_interval, Clock::now() - kLongestCatchUp);
     node.advance();
     barrier_.onFrame(node.nextFrameUtime());
-    awaitAnswers(node, node.publishFrame(), stop);
+    node.publishFrame();
+    awaitAnswers(node, stop);
   }
 }
 
-void LockstepPacing::awaitAnswers(const SimNode& node, core::Utime frame_utime,
-                                  const std::function<bool()>& stop) {
+void LockstepPacing::awaitAnswers(const SimNode& node, const std::function<bool()>& stop) {
   const auto sees = [&] {
-    return std::none_of(watchers_.begin(), watchers_.end(), [&](const Watcher& watcher) {
-      return awaited(watcher, node, frame_utime);
-    });
+    return std::none_of(watchers_.begin(), watchers_.end(),
+                        [&](const Watcher& watcher) { return awaited(watcher, node); });
   };
   const auto begin = Clock::now();
   bus_.handle(std::chrono::milliseconds(0));
@@ -142,7 +142,7 @@ void LockstepPacing::awaitAnswers(const SimNode& node, core::Utime frame_utime,
         experiment_.sim.lockstep_patience_s) {
       std::string names = namesOf(barrier_.awaited());
       for (Watcher& watcher : watchers_) {
-        if (awaited(watcher, node, frame_utime)) {
+        if (awaited(watcher, node)) {
           names += (names.empty() ? "" : ", ") +
                    ("perception of " + experiment_.vehicles[watcher.vehicle].name);
           watcher.present = false;

@@ -42,10 +42,10 @@ class LockstepPacing {
 
   void subscribe();
   void subscribeWatchers();
-  void awaitAnswers(const SimNode& node, core::Utime frame_utime,
-                    const std::function<bool()>& stop);
-  /// It has poses from after a scan, and has not said what it saw.
-  static bool awaited(const Watcher& watcher, const SimNode& node, core::Utime frame_utime);
+  void awaitAnswers(const SimNode& node, const std::function<bool()>& stop);
+  /// It has a pose from after a scan, and has not said what it saw. While nobody sees its vehicle
+  /// it has none.
+  static bool awaited(const Watcher& watcher, const SimNode& node);
   bool everybodyPresent() const;
   std::string namesOf(const std::vector<std::size_t>& participants) const;
   std::string absentNames() const;

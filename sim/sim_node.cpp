@@ -34,6 +34,7 @@ SimNode::SimNode(const config::Experiment& experiment, bus::Bus& bus, core::Utim
       bus_(bus),
       sensors_(experiment, world_, bus),
       publisher_(bus, namesOf(experiment), channel),
+      newest_pose_(experiment.vehicles.size(), 0),
       scene_(channel == bus::kSceneChannel) {
   mocap_.observe(world_.now(), sensors_.believed(world_));
   const auto on_error = [this](const bus::DecodeError& error) {
@@ -102,7 +103,11 @@ void SimNode::advance() {
 
 core::Utime SimNode::publishFrame() {
   sensors_.publish();
-  publisher_.publish(exposeNext());
+  const core::StatesFrame& frame = exposeNext();
+  publisher_.publish(frame);
+  for (std::size_t i = 0; i < frame.vehicles.size(); ++i) {
+    newest_pose_[i] = frame.vehicles[i].tracked ? frame.utime : newest_pose_[i];
+  }
   return publisher_.lastPublished().utime;
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/bus/bus.h"
 #include "common/bus/messages.h"
@@ -53,6 +54,9 @@ class SimNode {
   core::Utime frameIntervalUs() const { return mocap_.frameIntervalUs(); }
   core::Utime latencyUs() const { return mocap_.latencyUs(); }
 
+  /// utime of the newest frame with a pose of a vehicle in it; 0: none.
+  core::Utime newestPose(std::size_t vehicle) const { return newest_pose_[vehicle]; }
+
   /// True a second of data time after the fleet said that the mission is done or has failed, and
   /// after sim.max_duration_s.
   bool finished() const;
@@ -79,6 +83,7 @@ class SimNode {
   bus::Bus& bus_;
   SensorNode sensors_;
   mocap_bridge::StatePublisher publisher_;
+  std::vector<core::Utime> newest_pose_;  // of each vehicle
   // Seen through a motion-capture system, frames come back with stamps that are right to a part of
   // their interval.
   const bool scene_;
