@@ -11,8 +11,10 @@ namespace roundabout::bus {
 namespace {
 
 constexpr int kMostPixelsPerSide = 8192;
-// Whoever numbers tracks on from here still has room.
+// Whoever adds a million to keep them apart from vehicles can. Negative ones are vehicles in the
+// simulator's truth.
 constexpr int kLargestTrackId = 1'000'000'000;
+constexpr int kSmallestTrackId = -100'000;
 constexpr std::uint8_t kJpegStart[] = {0xFF, 0xD8};
 
 Eigen::Vector2d vectorOf(const double (&values)[2]) { return {values[0], values[1]}; }
@@ -27,7 +29,7 @@ bool isUsable(const roundabout_msgs::agent_track_t& track) {
       track.confidence,  track.position[0], track.position[1],        track.velocity[0],
       track.velocity[1], track.radius,      track.position_deviation, track.velocity_deviation,
       track.age,         track.unseen};
-  return track.id >= 0 && track.id <= kLargestTrackId &&
+  return track.id >= kSmallestTrackId && track.id <= kLargestTrackId &&
          std::all_of(std::begin(values), std::end(values),
                      [](double value) { return std::isfinite(value); }) &&
          track.radius > 0.0 && track.position_deviation >= 0.0 && track.velocity_deviation >= 0.0 &&

@@ -93,7 +93,8 @@ Detection personOn(const std::vector<Eigen::Vector2d>& legs_m) {
   for (const Eigen::Vector2d& leg_m : legs_m) {
     legs.push_back({leg_m, 0.06});
   }
-  const auto seen = sim::Lidar(settings).sweep({0.0, 0.0}, 0.0, {legs, {}, nullptr});
+  sim::Lidar lidar(settings);
+  const auto seen = lidar.sweep({0.0, 0.0}, 0.0, {legs, {}, nullptr});
   ScanPoints points;
   toPoints({1'000'000,
             seen.first_angle_rad,

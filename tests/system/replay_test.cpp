@@ -24,7 +24,8 @@ class Replay : public FlightLab {
                           "--lcm-url", url(), "--set", "planner.watch_wall_clock=false"});
     waitUntil("the planner",
               [&] { return modeOf(vehicle) == roundabout_msgs::planner_status_t::WAITING; });
-    run("lcm-logplayer", {"--regexp=VEHICLE_STATES|SAFETY_ORDER|GOAL_" + vehicle + "|LASER_SCAN_" +
+    run("lcm-logplayer", {"--speed=2",
+                          "--regexp=VEHICLE_STATES|SAFETY_ORDER|GOAL_" + vehicle + "|LASER_SCAN_" +
                               vehicle + "|COMMAND_hex[^" + vehicle.back() + "]",
                           "--lcm-url=" + url(), (out() / "flight.lcm").string()});
     listenFor(std::chrono::milliseconds(200));

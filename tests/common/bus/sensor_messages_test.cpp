@@ -38,6 +38,8 @@ TEST(SensorMessages, ABrokenTrackIsLeftOutAndHidesNobodyElse) {
       +[](Track& track, double) { track.velocity_deviation = -0.1; },
       +[](Track& track, double) { track.agent_class = 4; },
       +[](Track& track, double) { track.agent_class = -1; },
+      +[](Track& track, double) { track.id = 2'000'000'000; },
+      +[](Track& track, double) { track.id = -200'000; },
   };
   for (const auto& breakIt : breaks) {
     for (const double value : kNotNumbers) {
