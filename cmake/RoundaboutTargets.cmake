@@ -27,7 +27,10 @@ target_compile_options(roundabout_options INTERFACE -pthread)
 set(ROUNDABOUT_COMMON_HEADERS
   <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <fstream> <functional> <limits> <map> <memory> <numbers>
   <optional> <random> <span> <sstream> <stdexcept> <string> <string_view> <utility> <variant> <vector>
-  <Eigen/Core> <Eigen/Geometry>)
+  <Eigen/Core> <Eigen/Geometry> <spdlog/fmt/fmt.h>)
+# Who reads a precompiled header has to mean the same by it.
+target_compile_definitions(roundabout_options INTERFACE
+  $<TARGET_PROPERTY:spdlog::spdlog,INTERFACE_COMPILE_DEFINITIONS>)
 function(roundabout_precompiled name)
   if(NOT ROUNDABOUT_PRECOMPILE)
     return()
@@ -41,8 +44,7 @@ function(roundabout_precompiled name)
 endfunction()
 set(ROUNDABOUT_TEST_OPTIONS $<$<CONFIG:Release>:-O0>)
 roundabout_precompiled(roundabout_precompiled)
-roundabout_precompiled(roundabout_command_precompiled HEADERS <CLI/CLI.hpp> <spdlog/fmt/fmt.h>
-  LINK CLI11::CLI11 spdlog::spdlog)
+roundabout_precompiled(roundabout_command_precompiled HEADERS <CLI/CLI.hpp> LINK CLI11::CLI11)
 roundabout_precompiled(roundabout_test_precompiled HEADERS <gmock/gmock.h> <gtest/gtest.h>
   LINK GTest::gmock GTest::gtest OPTIONS ${ROUNDABOUT_TEST_OPTIONS})
 function(roundabout_use_precompiled name from)

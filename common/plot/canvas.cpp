@@ -1,11 +1,19 @@
 #include "common/plot/canvas.h"
 
+#include <algorithm>
+
 namespace roundabout::plot {
 
 namespace {
 
 // Bitmaps stay sharp on paper and on dense screens.
 constexpr int kPixelScale = 2;
+
+constexpr double kTitleSize = 14.0;
+// Wide is a letter of a title of that size, on average.
+constexpr double kTitleLetter = 9.0;
+// Of the width of a picture. A title is in the middle of the axes, not of the picture.
+constexpr double kTitleShare = 0.85;
 
 void setBitmap(GnuplotScript& script, const CanvasSize& size) {
   script.line(
@@ -19,9 +27,13 @@ void setVectors(GnuplotScript& script, const CanvasSize& size) {
               size.width, size.height);
 }
 
-void setLook(GnuplotScript& script, const std::string& title) {
+void setLook(GnuplotScript& script, const CanvasSize& size, const std::string& title) {
   if (!title.empty()) {
-    script.line("set title {} font \"DejaVu Sans,14\"", gnuplotString(title));
+    // Smaller if that is what it takes to stay in the picture.
+    const double fits =
+        kTitleShare * size.width / (kTitleLetter * static_cast<double>(title.size()));
+    script.line("set title {} font \"DejaVu Sans,{:.1f}\"", gnuplotString(title),
+                kTitleSize * std::min(1.0, fits));
   }
   script.line("set border 3 lc rgb \"#555555\"");
   script.line("set tics nomirror out scale 0.6 tc rgb \"#333333\"");
@@ -41,7 +53,7 @@ void beginPage(GnuplotScript& script, const CanvasSize& size, bool bitmap,
   reset(script);
   bitmap ? setBitmap(script, size) : setVectors(script, size);
   script.line("set output {}", gnuplotString(file.string() + (bitmap ? ".png" : ".svg")));
-  setLook(script, "");
+  setLook(script, size, "");
 }
 
 void beginAnimation(GnuplotScript& script, const CanvasSize& size, int frames_per_second,
@@ -52,13 +64,13 @@ void beginAnimation(GnuplotScript& script, const CanvasSize& size, int frames_pe
       "set terminal gif animate delay {} loop 0 nooptimize noenhanced size {},{} font \",10\"",
       100 / frames_per_second, size.width, size.height);
   script.line("set output {}", gnuplotString(file.string()));
-  setLook(script, title);
+  setLook(script, size, title);
 }
 
 void beginFigure(GnuplotScript& script, const CanvasSize& size, const std::string& title) {
   reset(script);
   setBitmap(script, size);
-  setLook(script, title);
+  setLook(script, size, title);
 }
 
 void endFigure(GnuplotScript& script, const CanvasSize& size, const PictureFiles& files,
