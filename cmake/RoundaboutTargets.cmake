@@ -11,10 +11,10 @@ if(ROUNDABOUT_WERROR)
   target_compile_options(roundabout_options INTERFACE -Werror)
 endif()
 if(ROUNDABOUT_SANITIZE)
-  # GCC warns of values in its own headers that instrumentation makes it lose track of.
+  # GCC warns of values and lengths in its own headers that instrumentation makes it lose track of.
   target_compile_options(roundabout_options INTERFACE
     -fsanitize=${ROUNDABOUT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>")
   target_link_options(roundabout_options INTERFACE -fsanitize=${ROUNDABOUT_SANITIZE})
 elseif(ROUNDABOUT_NATIVE)
   target_compile_options(roundabout_options INTERFACE -march=native)

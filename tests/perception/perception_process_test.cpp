@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <spawn.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/wait.h>
 
 #include "common/bus/lcm_bus.h"
@@ -21,7 +22,7 @@ namespace {
 class Program {
  public:
   explicit Program(std::vector<std::string> arguments) {
-    arguments[0] = std::string(ROUNDABOUT_BIN_DIR) + "/" + arguments[0];
+    arguments[0] = fmt::format("{}/{}", ROUNDABOUT_BIN_DIR, arguments[0]);
     std::vector<char*> pointers;
     for (std::string& argument : arguments) {
       pointers.push_back(argument.data());
@@ -89,10 +90,9 @@ TEST(PerceptionProcess, NamesAModelThatDoesNotLoad) {
       << "vehicles: [{name: robot, model: unicycle, lidar: {beams: 90}}]\n";
   std::ofstream(folder.file("broken.onnx")) << "no network";
   for (const auto& model : {folder.file("broken.onnx"), folder.file("missing.onnx")}) {
-    const std::string command = std::string(ROUNDABOUT_BIN_DIR) +
-                                "/perception --vehicle robot --config " + folder.file("lab.yaml") +
-                                " --set perception.detector=" + model + " 2> " +
-                                folder.file("said");
+    const std::string command =
+        fmt::format("{}/perception --vehicle robot --config {} --set perception.detector={} 2> {}",
+                    ROUNDABOUT_BIN_DIR, folder.file("lab.yaml"), model, folder.file("said"));
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
     std::ifstream file(folder.file("said"));
     std::string line;
