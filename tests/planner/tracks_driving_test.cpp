@@ -23,6 +23,9 @@ core::AgentTracks tracksAt(core::Utime utime, const std::vector<core::AgentTrack
   return message;
 }
 
+// Vector2d{} is no zero: it is anything.
+const Vector2d kStill = Vector2d::Zero();
+
 core::AgentTrack person(const Vector2d& place_m, const Vector2d& velocity_mps) {
   core::AgentTrack track;
   track.id = 3;
@@ -61,7 +64,7 @@ TEST(SeenAgents, TakeEffectAfterTheirTimeAndAreForgottenAfterTheirs) {
 
 TEST(SeenAgents, BlindTracksNeverCount) {
   SeenAgents seen(byTracks(), 0);
-  core::AgentTracks blind = tracksAt(200'000, {person({1.0, 0.0}, {})});
+  core::AgentTracks blind = tracksAt(200'000, {person({1.0, 0.0}, kStill)});
   blind.health = core::PerceptionHealth::kBlind;
   blind.reason = "no scan for 0.4 s";
   seen.offer(blind, 0);
@@ -127,13 +130,13 @@ TEST_F(Surfaces, WhatIsDeepInAWallOrInFurnitureIsNobody) {
 }
 
 TEST_F(Surfaces, WhoLeansOnFurnitureOrOnAWallIsSomebody) {
-  EXPECT_TRUE(isSomebody(person({1.5, 2.95}, {})));
-  EXPECT_TRUE(isSomebody(person({1.5, 3.05}, {}))) << "it is measured that well";
-  EXPECT_TRUE(isSomebody(person({4.95, 0.0}, {})));
+  EXPECT_TRUE(isSomebody(person({1.5, 2.95}, kStill)));
+  EXPECT_TRUE(isSomebody(person({1.5, 3.05}, kStill))) << "it is measured that well";
+  EXPECT_TRUE(isSomebody(person({4.95, 0.0}, kStill)));
 }
 
 TEST_F(Surfaces, WhatStandsAtOneAndIsNoPersonIsAPieceOfIt) {
-  core::AgentTrack track = person({1.5, 2.95}, {});
+  core::AgentTrack track = person({1.5, 2.95}, kStill);
   for (const core::AgentClass what : {core::AgentClass::kUnknown, core::AgentClass::kStatic}) {
     track.agent_class = what;
     EXPECT_FALSE(isSomebody(track));
