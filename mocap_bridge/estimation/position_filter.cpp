@@ -53,5 +53,4 @@ double PositionFilter::innovationDeviation() const {
   return std::sqrt(covariance_(0, 0) + noise_.measurement_m * noise_.measurement_m);
 }
 
-
 }  // namespace roundabout::mocap_bridge

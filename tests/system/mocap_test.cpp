@@ -154,12 +154,12 @@ TEST_F(MocapLab, WhatIsRecordedIsReplayed) {
   startEmulator("natnet", {"--bodies", "2"});
   const std::string packets = (scratch_ / "lab.packets").string();
   const Ended recorded = run("roundabout", {"mocap", "record", twoSwap(labFile("natnet")), "-o",
-                                            packets, "--seconds", "1.5"});
+                                            packets, "--seconds", "2.5"});
   ASSERT_EQ(recorded.status.code, 0);
   const std::string file = twoSwap("source: replay\nmocap: {file: " + packets + ", speed: 4}\n");
   const Ended replayed = run("mocap_bridge", {"--config", file, "--lcm-url", url()});
   EXPECT_EQ(replayed.status.code, 0);
-  EXPECT_GT(heard().frames, 150);
+  EXPECT_GT(heard().frames, 200);
   EXPECT_TRUE(heard().states.vehicles.at(1).tracked);
 }
 
