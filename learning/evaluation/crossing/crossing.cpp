@@ -27,11 +27,18 @@ Eigen::Vector2d goalOf(const config::Experiment& experiment) {
   throw core::StartupError(experiment.file, "mission", "a step with a point to drive to", "none");
 }
 
+const config::Experiment& withLidar(const config::Experiment& experiment) {
+  if (!experiment.vehicles.front().lidar) {
+    throw core::StartupError(experiment.file, "vehicles[0].lidar", "one, to see people by", "none");
+  }
+  return experiment;
+}
+
 /// One robot, its sensors and its planner on one clock.
 class Crossing {
  public:
   Crossing(const config::Experiment& experiment, const CrossingCast& cast, CrossingTrace* trace)
-      : experiment_(experiment),
+      : experiment_(withLidar(experiment)),
         trace_(trace),
         robot_(experiment_.vehicles.front()),
         goal_m_(goalOf(experiment_)),
@@ -172,11 +179,12 @@ class Crossing {
 
 }  // namespace
 
+void requireCrossing(const config::Experiment& experiment, const CrossingCast& cast) {
+  static_cast<void>(Crossing(experiment, cast, nullptr));
+}
+
 CrossingResult runCrossing(const config::Experiment& experiment, const CrossingCast& cast,
                            CrossingTrace* trace) {
-  if (!experiment.vehicles.front().lidar) {
-    throw core::StartupError(experiment.file, "vehicles[0].lidar", "one, to see people by", "none");
-  }
   return Crossing(experiment, cast, trace).run();
 }
 

@@ -65,6 +65,9 @@ struct CrossingCast {
 CrossingResult runCrossing(const config::Experiment& experiment, const CrossingCast& cast,
                            CrossingTrace* trace = nullptr);
 
+/// Throws what runCrossing() would throw at its start.
+void requireCrossing(const config::Experiment& experiment, const CrossingCast& cast);
+
 /// Of many runs.
 struct CrossingSummary {
   int runs = 0;

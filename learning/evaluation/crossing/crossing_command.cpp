@@ -27,7 +27,7 @@ struct Options {
   std::string file;
   int runs = 100;
   std::vector<std::string> policies;
-  std::string shield = "both";
+  std::string shield = "on";
   std::string eyes = "perception";
   std::vector<std::string> overrides;
   std::string csv;
@@ -38,6 +38,7 @@ struct Options {
 
 struct Variant {
   std::string policy;
+  std::string label;  ///< of the table and of pictures; policies differ by it
   bool shield;
 };
 
@@ -85,12 +86,6 @@ void writeRows(std::ofstream& csv, const Variant& variant, const std::vector<int
   csv.flush();
 }
 
-std::string nameOf(const Variant& variant) {
-  return std::filesystem::path(variant.policy.substr(variant.policy.find(':') + 1))
-      .filename()
-      .string();
-}
-
 void printHead() {
   fmt::print("{:<24} {:<6} {:>5} {:>8} {:>9} {:>9} {:>7} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8}\n",
              "policy", "shield", "runs", "reached", "by robot", "by person", "things", "closest",
@@ -101,10 +96,23 @@ void print(const Variant& variant, const CrossingSummary& summary) {
   fmt::print(
       "{:<24} {:<6} {:>5} {:>8} {:>9} {:>9} {:>7} {:>8.3f} {:>8.3f} {:>8.2f} {:>8.2f} "
       "{:>5.1f}% {:>7.1f}%\n",
-      nameOf(variant), variant.shield ? "on" : "off", summary.runs, summary.reached,
+      variant.label, variant.shield ? "on" : "off", summary.runs, summary.reached,
       summary.runs_hit_by_robot, summary.runs_hit_by_person, summary.runs_hit_things,
       summary.closest_m, summary.median_closest_m, summary.mean_extra_s, summary.p90_extra_s,
       100.0 * summary.blind_share, 100.0 * summary.shielded_share);
+}
+
+/// The file name of weights or the name of a policy; with the whole path where two would be alike.
+std::string labelOf(const std::string& policy, const std::vector<std::string>& policies) {
+  const auto fileNameOf = [](const std::string& each) {
+    return std::filesystem::path(each.substr(each.find(':') + 1)).filename().string();
+  };
+  const bool alike = std::any_of(policies.begin(), policies.end(), [&](const std::string& other) {
+    return other != policy && fileNameOf(other) == fileNameOf(policy);
+  });
+  std::string label = alike ? policy : fileNameOf(policy);
+  std::replace(label.begin(), label.end(), '/', '_');
+  return label;
 }
 
 std::vector<Variant> variantsOf(const Options& options) {
@@ -116,7 +124,7 @@ std::vector<Variant> variantsOf(const Options& options) {
   for (const std::string& policy : policies) {
     for (const bool shield : {true, false}) {
       if (options.shield == "both" || (options.shield == "on") == shield) {
-        variants.push_back({policy, shield});
+        variants.push_back({policy, labelOf(policy, policies), shield});
       }
     }
   }
@@ -192,11 +200,11 @@ void draw(const Options& options, const Variant& variant, const std::vector<int>
     const config::Experiment experiment = experimentOf(options, variant, runs[i]);
     CrossingTrace trace;
     const CrossingResult result = runCrossing(experiment, castOf(options, experiment), &trace);
-    const std::string name = fmt::format("{}_{}_{}", nameOf(variant),
+    const std::string name = fmt::format("{}_{}_{}", variant.label,
                                          variant.shield ? "shield" : "no_shield", runs[i] + 1);
     const std::filesystem::path file = std::filesystem::path(options.pictures) / name;
     drawCrossing(experiment, trace,
-                 fmt::format("{}{}, run {}: {}", nameOf(variant), variant.shield ? " + shield" : "",
+                 fmt::format("{}{}, run {}: {}", variant.label, variant.shield ? " + shield" : "",
                              runs[i] + 1, whatHappened(result)),
                  file);
     fmt::print(stderr, "drawn: {}.png\n", file.string());
@@ -204,9 +212,13 @@ void draw(const Options& options, const Variant& variant, const std::vector<int>
 }
 
 int cross(const Options& options) {
-  std::ofstream csv = csvFile(options.csv);
   const std::vector<int> runs = runsOf(options);
   const std::vector<Variant> variants = variantsOf(options);
+  for (const Variant& variant : variants) {
+    const config::Experiment experiment = experimentOf(options, variant, runs.front());
+    requireCrossing(experiment, castOf(options, experiment));
+  }
+  std::ofstream csv = csvFile(options.csv);
   Workers workers(options.threads);
   fmt::print(
       "{}: {} runs each, eyes: {}; columns by robot, by person, things: runs with a "
@@ -224,7 +236,7 @@ int cross(const Options& options) {
       const config::Experiment experiment = experimentOf(options, variant, runs[at]);
       results[at] = runCrossing(experiment, castOf(options, experiment));
       const std::lock_guard lock(one_at_a_time);
-      progress.show(++done, nameOf(variant));
+      progress.show(++done, variant.label);
     });
     print(variant, summarise(results));
     std::fflush(stdout);
@@ -251,7 +263,7 @@ void addCrossCommand(CLI::App& app, int& exit_status) {
       ->check(CLI::PositiveNumber);
   command->add_option("--policy", options->policies,
                       "NAME or NAME:WEIGHTS; repeatable (default: the experiment's)");
-  command->add_option("--shield", options->shield, "on, off or both")
+  command->add_option("--shield", options->shield, "on (default), off or both")
       ->check(CLI::IsMember({"on", "off", "both"}));
   command
       ->add_option("--eyes", options->eyes,

@@ -136,6 +136,21 @@ TEST(Crossing, IsRefusedWithoutALidarOrAGoal) {
             "test: vehicles[0].lidar: expected one, to see people by, found none");
 }
 
+TEST(Crossing, WhatIsRefusedIsRefusedBeforeTheFirstRun) {
+  config::Experiment experiment = corridor();
+  EXPECT_EQ(test::startupErrorOf([&] { requireCrossing(experiment, cast()); }), "");
+  experiment.vehicles[0].lidar.reset();
+  EXPECT_EQ(test::startupErrorOf([&] { requireCrossing(experiment, cast()); }),
+            test::startupErrorOf([&] { runCrossing(experiment, cast()); }));
+  experiment = corridor();
+  experiment.obstacles = {{"table", {{-1.0, 1.0}, {1.0, 1.0}, {1.0, 2.0}}}};
+  experiment.shield.on = false;
+  CrossingCast learned = cast();
+  learned.policy = [] { return planner::makePolicy("non_cooperative", {}); };
+  EXPECT_NE(test::startupErrorOf([&] { requireCrossing(experiment, learned); }).find("obstacles"),
+            std::string::npos);
+}
+
 TEST(CrossingSummary, CountsRunsAndAveragesOverThoseThatArrived) {
   CrossingResult good;
   good.reached = true;
