@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/core/polygon.h"
+#include "planner/shield/lanes.h"
 
 namespace roundabout::planner::shield {
 
@@ -57,11 +58,21 @@ void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbou
   lines_.clear();
   half_planes_.clear();
   smallest_gap_m_ = std::numeric_limits<double>::infinity();
-  predictOwn();
+  forecastOwn();
+  near_.clear();
   for (const Neighbour& neighbour : neighbours) {
     if (mayMeet(neighbour)) {
-      addNeighbour(neighbour);
+      near_.push_back(&neighbour);
+      forecast(neighbour);
     }
+  }
+  if (paths_.size() < forecasts_.size()) {
+    paths_.resize(forecasts_.size());
+  }
+  predict(forecasts_, paths_);
+  std::size_t next = takeOwnPaths();
+  for (const Neighbour* neighbour : near_) {
+    next = addNeighbour(*neighbour, next);
   }
   first_static_ = half_planes_.size();
   for (const Wall& wall : statics.walls) {
@@ -75,7 +86,7 @@ void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbou
   }
 }
 
-void BrakeConstraints::predictOwn() {
+void BrakeConstraints::forecastOwn() {
   if (responses_.empty() || !same(ego_->bounds, reach_bounds_)) {
     reach_bounds_ = ego_->bounds;
     responses_.clear();
@@ -84,19 +95,45 @@ void BrakeConstraints::predictOwn() {
     }
   }
   reach_m_ = farthestReach(ego_->motion, ego_->bounds, ego_->max_speed_mps, parameters_.hold_s);
-  const SentCommand brake{Vector2d::Zero(), 0.0, parameters_.hold_s};
-  own_.clear();
-  for (Response& response : responses_) {
-    const auto addPath = [&](Arrival arrival, const SentCommand* next, Path& path) {
-      predict(ego_->motion, ego_->bounds, response.pace, arrival, next, path);
-      own_.insert(own_.end(), path.points().begin(), path.points().end());
-    };
-    addPath(Arrival::kAll, &brake, response.braking);
+  brake_ = {Vector2d::Zero(), 0.0, parameters_.hold_s};
+  forecasts_.clear();
+  for (const Response& response : responses_) {
+    const Forecast own{&ego_->motion, &ego_->bounds, response.pace, Arrival::kAll, nullptr};
+    forecasts_.push_back(own);
+    forecasts_.back().next = &brake_;
     if (!ego_->motion.commands.empty()) {
-      addPath(Arrival::kAll, nullptr, path_);
-      addPath(Arrival::kLastIsLost, nullptr, path_);
+      forecasts_.push_back(own);
+      forecasts_.push_back(own);
+      forecasts_.back().arrival = Arrival::kLastIsLost;
     }
   }
+}
+
+void BrakeConstraints::forecast(const Neighbour& neighbour) {
+  for (const Pace pace : pacesOf(neighbour.bounds)) {
+    forecasts_.push_back({&neighbour.motion, &neighbour.bounds, pace, Arrival::kAll, nullptr});
+    if (!neighbour.motion.commands.empty()) {
+      forecasts_.push_back(
+          {&neighbour.motion, &neighbour.bounds, pace, Arrival::kLastIsLost, nullptr});
+    }
+  }
+}
+
+// Returns how many there are.
+std::size_t BrakeConstraints::takeOwnPaths() {
+  const std::size_t each = ego_->motion.commands.empty() ? 1 : 3;
+  const std::size_t count = each * responses_.size();
+  own_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    own_.append(paths_[i].points());
+    if (i % each == 0) {
+      PointSet& braking = responses_[i / each].braking;
+      braking.clear();
+      braking.append(paths_[i].points());
+      braking.extendTo(Path::kMost);
+    }
+  }
+  return count;
 }
 
 bool BrakeConstraints::mayMeet(const Neighbour& neighbour) const {
@@ -113,32 +150,31 @@ bool BrakeConstraints::mayMeet(const Neighbour& neighbour) const {
   return (other.position_world_m - own.position_world_m).squaredNorm() <= apart_m * apart_m;
 }
 
-void BrakeConstraints::addNeighbour(const Neighbour& neighbour) {
+// Its paths begin with `first`; returns where those of the next do.
+std::size_t BrakeConstraints::addNeighbour(const Neighbour& neighbour, std::size_t first) {
   others_.clear();
   double apart_m = ego_->radius_m + neighbour.radius_m + parameters_.margin_m;
   const bool trusted = neighbour.shielded;
-  for (const Pace pace : pacesOf(neighbour.bounds)) {
-    for (const Arrival arrival : {Arrival::kAll, Arrival::kLastIsLost}) {
-      predict(neighbour.motion, neighbour.bounds, pace, arrival, nullptr, path_);
-      others_.insert(others_.end(), path_.points().begin(), path_.points().end());
-      if (neighbour.motion.commands.empty()) {
-        break;
-      }
-    }
+  const std::size_t end =
+      first + pacesOf(neighbour.bounds).size() * (neighbour.motion.commands.empty() ? 1 : 2);
+  for (std::size_t i = first; i < end; ++i) {
+    others_.append(paths_[i].points());
   }
   if (!trusted) {
     const Motion& motion = neighbour.motion;
     const double ahead_s = motion.age_s + parameters_.unshielded_prediction_s;
-    others_.push_back(motion.position_world_m + ahead_s * motion.velocity_world_mps +
-                      0.5 * ahead_s * ahead_s * motion.drives.front().acceleration_mps2);
+    const Vector2d there = motion.position_world_m + ahead_s * motion.velocity_world_mps +
+                           0.5 * ahead_s * ahead_s * motion.drives.front().acceleration_mps2;
+    others_.append(std::span(&there, 1));
     apart_m += parameters_.unshielded_margin_m;
   }
   const double before_m = smallest_gap_m_;
   addBeside(others_, apart_m, trusted && !neighbour.parked ? 0.5 : 1.0);
   smallest_gap_m_ = std::min(before_m, smallest_gap_m_);
+  return end;
 }
 
-void BrakeConstraints::addBeside(Points points, double apart_m, double share) {
+void BrakeConstraints::addBeside(const PointSet& points, double apart_m, double share) {
   const ConvexGap gap = gapBetween(own_, points);
   smallest_gap_m_ = std::min(smallest_gap_m_, gap.distance_m - apart_m + parameters_.margin_m);
   add(gap.normal, gap.distance_m - apart_m, share);
@@ -146,7 +182,7 @@ void BrakeConstraints::addBeside(Points points, double apart_m, double share) {
 
 void BrakeConstraints::addWall(const Wall& wall) {
   const double usable_m =
-      wall.offset_m - ego_->radius_m - parameters_.margin_m - extentAlong(own_, wall.normal);
+      wall.offset_m - ego_->radius_m - parameters_.margin_m - own_.extentAlong(wall.normal);
   if (usable_m <= reach_m_) {
     add(wall.normal, usable_m, 1.0);
   }
@@ -169,10 +205,12 @@ void BrakeConstraints::addObstacle(const core::Polygon& obstacle) {
 // The own path may come nearer by a share of the usable gap. A command u that is held adds
 // per_speed(t) u to it: linear in u.
 void BrakeConstraints::add(const Vector2d& normal, double usable_m, double share) {
-  const Line line{normal, extentAlong(own_, normal) + share * usable_m};
+  Line line{normal, own_.extentAlong(normal) + share * usable_m, {}};
   double fastest_mps = std::numeric_limits<double>::infinity();
-  for (const Response& response : responses_) {
-    fastest_mps = std::min(fastest_mps, fastest(response, line));
+  for (std::size_t i = 0; i < responses_.size(); ++i) {
+    fastest_mps = std::min(fastest_mps, fastest(responses_[i], line));
+    line.allowed_m[i] =
+        std::max(line.limit_m, responses_[i].braking.extentAlong(normal)) + kRounding_m;
   }
   fastest_mps = std::max(fastest_mps, -kRetreatShare * ego_->max_speed_mps);
   lines_.push_back(line);
@@ -180,20 +218,14 @@ void BrakeConstraints::add(const Vector2d& normal, double usable_m, double share
 }
 
 double BrakeConstraints::fastest(const Response& response, const Line& line) const {
-  const Points braking = response.braking.points();
-  const auto& per_speed_s = response.per_speed_s;
-  double fastest_mps = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < per_speed_s.size(); ++i) {
-    if (per_speed_s[i] > kNoReach_s) {
-      const double left_m =
-          line.limit_m - line.normal.dot(braking[std::min(i, braking.size() - 1)]);
-      fastest_mps = std::min(fastest_mps, left_m / per_speed_s[i]);
-      if (i + 1 >= braking.size() && per_speed_s[i] == per_speed_s.back()) {
-        break;  // nothing moves any more
-      }
-    }
+  Lanes fastest_mps = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < response.per_speed_s.size(); i += kLanes) {
+    const Lanes per_speed_s = loadLanes(&response.per_speed_s[i]);
+    const Lanes left_m = line.limit_m - (line.normal.x() * loadLanes(&response.braking.xs()[i]) +
+                                         line.normal.y() * loadLanes(&response.braking.ys()[i]));
+    where(per_speed_s > kNoReach_s, fastest_mps) = min(fastest_mps, left_m / per_speed_s);
   }
-  return fastest_mps;
+  return hmin(fastest_mps);
 }
 
 bool BrakeConstraints::rollsOut(const Vector2d& velocity_mps) const {
@@ -201,15 +233,21 @@ bool BrakeConstraints::rollsOut(const Vector2d& velocity_mps) const {
     return true;  // the linear rule is exact
   }
   const SentCommand command{velocity_mps, 0.0, parameters_.hold_s};
-  return std::all_of(responses_.begin(), responses_.end(), [&](const Response& response) {
-    predict(ego_->motion, ego_->bounds, response.pace, Arrival::kAll, &command, path_);
-    return std::all_of(lines_.begin(), lines_.end(), [&](const Line& line) {
-      // What braking breaks already, a command must not make worse.
-      const double limit_m =
-          std::max(line.limit_m, extentAlong(response.braking.points(), line.normal)) + kRounding_m;
-      return extentAlong(path_.points(), line.normal) <= limit_m;
-    });
-  });
+  std::array<Forecast, kPaces> forecasts;
+  for (std::size_t i = 0; i < responses_.size(); ++i) {
+    forecasts[i] = {&ego_->motion, &ego_->bounds, responses_[i].pace, Arrival::kAll, &command};
+  }
+  predict(std::span(forecasts).first(responses_.size()), rolled_out_);
+  for (std::size_t i = 0; i < responses_.size(); ++i) {
+    rolled_points_.clear();
+    rolled_points_.append(rolled_out_[i].points());
+    if (!std::all_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+          return rolled_points_.extentAlong(line.normal) <= line.allowed_m[i];
+        })) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool BrakeConstraints::keeps(const Vector2d& velocity_mps) const {

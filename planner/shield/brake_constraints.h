@@ -35,27 +35,31 @@ class BrakeConstraints {
   bool worstIsStatic(const Eigen::Vector2d& velocity_mps) const;
 
   double smallestGapM() const { return smallest_gap_m_; }
-  std::span<const HalfPlane> halfPlanes() const { return half_planes_; }
 
  private:
+  static constexpr std::size_t kPaces = 2;
+
   /// The line that the ego's path must not cross: normal . p <= limit.
   struct Line {
     Eigen::Vector2d normal;
     double limit_m;
+    std::array<double, kPaces> allowed_m;  // by pace: what braking breaks, commands may break too
   };
 
   /// Of the ego, at one pace.
   struct Response {
     Pace pace = Pace::kAssumed;
-    Path braking;                                   // from now on
+    PointSet braking;                               // from now on; at its end once more and again
     std::array<double, Path::kMost> per_speed_s{};  // of reachOf
   };
 
-  void predictOwn();
-  void addNeighbour(const Neighbour& neighbour);
+  void forecastOwn();
+  void forecast(const Neighbour& neighbour);
+  std::size_t takeOwnPaths();
+  std::size_t addNeighbour(const Neighbour& neighbour, std::size_t first);
   void addObstacle(const core::Polygon& obstacle);
   void addWall(const Wall& wall);
-  void addBeside(Points points, double apart_m, double share);
+  void addBeside(const PointSet& points, double apart_m, double share);
   void add(const Eigen::Vector2d& normal, double usable_m, double share);
   bool mayMeet(const Neighbour& neighbour) const;
   double fastest(const Response& response, const Line& line) const;
@@ -65,11 +69,16 @@ class BrakeConstraints {
   const ShieldParameters& parameters_;
   const Ego* ego_ = nullptr;
   std::vector<Response> responses_;
-  MotionBounds reach_bounds_;            // what responses_ are for
-  std::vector<Eigen::Vector2d> own_;     // all places of all own paths
-  std::vector<Eigen::Vector2d> others_;  // the same of a neighbour
-  mutable Path path_;                    // for one call
-  double reach_m_ = 0.0;                 // of the ego's centre until it stands
+  MotionBounds reach_bounds_;  // what responses_ are for
+  PointSet own_;               // all places of all own paths
+  PointSet others_;            // the same of a neighbour
+  std::vector<const Neighbour*> near_;
+  SentCommand brake_;                            // zero velocity
+  std::vector<Forecast> forecasts_;              // the ego's, then those of all who are near
+  std::vector<Path> paths_;                      // the same
+  mutable std::array<Path, kPaces> rolled_out_;  // for one call
+  mutable PointSet rolled_points_;               // the same
+  double reach_m_ = 0.0;                         // of the ego's centre until it stands
   std::vector<Line> lines_;
   std::vector<HalfPlane> half_planes_;
   std::size_t first_static_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -15,10 +14,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kDirections = 24;
 constexpr std::array kSpeedShares{1.0, 2.0 / 3.0, 1.0 / 3.0};
 constexpr double kCollisionWeight = 0.5;  // against the deviation in shares of the preferred speed
 constexpr double kLeastTime_s = 0.05;
+constexpr double kEqualCost = 1e-9;
 
 constexpr double kFirstStay_s = 1.5;
 constexpr double kLongestStay_s = 12.0;
@@ -181,26 +180,31 @@ void Breaker::lean(const Scene& scene, const Vector2d& direction, double preferr
 Vector2d Breaker::sample(const Scene& scene, const Vector2d& desired_mps,
                          double preferred_mps) const {
   const double horizon_s = parameters_.breaker_horizon_s;
-  const auto costOf = [&](const Vector2d& velocity) {
-    const double time_s = std::max(kLeastTime_s, scene.timeToCollision(velocity, horizon_s));
-    return (velocity - desired_mps).norm() / preferred_mps +
-           kCollisionWeight * (1.0 / time_s - 1.0 / horizon_s);
-  };
   Vector2d best = Vector2d::Zero();
-  double least = costOf(best);
-  const double speed = desired_mps.norm();
-  const double first = std::atan2(desired_mps.y(), desired_mps.x());
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const Vector2d& velocity) {
+    const double deviation = (velocity - desired_mps).norm() / preferred_mps;
+    if (deviation >= least - kEqualCost) {
+      return;
+    }
+    // Nearer in time than this, it costs more than the best one.
+    const double enough_s = 0.999 / ((least - deviation) / kCollisionWeight + 1.0 / horizon_s);
+    const double time_s = std::max(
+        kLeastTime_s,
+        scene.timeToCollision(velocity, horizon_s, enough_s > kLeastTime_s ? enough_s : 0.0));
+    const double cost = deviation + kCollisionWeight * (1.0 / time_s - 1.0 / horizon_s);
+    if (cost < least - kEqualCost) {
+      least = cost;
+      best = velocity;
+    }
+  };
+  consider(Vector2d::Zero());
+  const double speed = std::max(desired_mps.norm(), 1e-3);
+  const auto fan = fanFrom(desired_mps);
   for (const double share : kSpeedShares) {
-    for (int i = 0; i < kDirections; ++i) {
-      // To the right first: of equally good ones it stays.
-      const double angle = first - 2.0 * std::numbers::pi * i / kDirections;
-      const Vector2d velocity =
-          share * std::max(speed, 1e-3) * Vector2d(std::cos(angle), std::sin(angle));
-      const double cost = costOf(velocity);
-      if (cost < least - 1e-9) {
-        least = cost;
-        best = velocity;
-      }
+    // To the right first: of equally good ones it stays.
+    for (const Vector2d& direction : fan) {
+      consider(share * speed * direction);
     }
   }
   return best;

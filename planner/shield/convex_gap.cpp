@@ -16,6 +16,10 @@ constexpr double kTolerance = 1e-12;
 // Nearer, hulls count as touching. m².
 constexpr double kTouching_m2 = 1e-18;
 
+Vector2d farthest(const PointSet& points, const Vector2d& direction) {
+  return points.farthestAlong(direction);
+}
+
 Vector2d farthest(Points points, const Vector2d& direction) {
   double greatest = -std::numeric_limits<double>::infinity();
   Vector2d best = points.front();
@@ -46,36 +50,30 @@ bool holdsOrigin(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
 }
 
-Vector2d centreOf(Points points) {
+template <class Set>
+Vector2d centreOf(const Set& points) {
   Vector2d sum = Vector2d::Zero();
-  for (const Vector2d& point : points) {
-    sum += point;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sum += points[i];
   }
   return sum / static_cast<double>(points.size());
 }
 
-ConvexGap alongCentres(Points first, Points second) {
+template <class First, class Second>
+ConvexGap alongCentres(const First& first, const Second& second) {
   const Vector2d way = centreOf(second) - centreOf(first);
   const double length = way.norm();
   ConvexGap gap;
   if (length > 0.0) {
     gap.normal = way / length;
   }
-  gap.distance_m = -extentAlong(second, -gap.normal) - extentAlong(first, gap.normal);
+  gap.distance_m =
+      gap.normal.dot(farthest(second, -gap.normal)) - gap.normal.dot(farthest(first, gap.normal));
   return gap;
 }
 
-}  // namespace
-
-double extentAlong(Points points, const Vector2d& normal) {
-  double greatest = -std::numeric_limits<double>::infinity();
-  for (const Vector2d& point : points) {
-    greatest = std::max(greatest, normal.dot(point));
-  }
-  return greatest;
-}
-
-ConvexGap gapBetween(Points first, Points second) {
+template <class First, class Second>
+ConvexGap nearestPlaces(const First& first, const Second& second) {
   // The nearest point to the origin of the set of all differences, by growing a segment of it.
   const auto difference = [&](const Vector2d& direction) {
     return Vector2d(farthest(second, -direction) - farthest(first, direction));
@@ -103,6 +101,24 @@ ConvexGap gapBetween(Points first, Points second) {
   }
   const double distance_m = nearest.norm();
   return {nearest / distance_m, distance_m};
+}
+
+}  // namespace
+
+double extentAlong(Points points, const Vector2d& normal) {
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (const Vector2d& point : points) {
+    greatest = std::max(greatest, normal.dot(point));
+  }
+  return greatest;
+}
+
+ConvexGap gapBetween(Points first, Points second) { return nearestPlaces(first, second); }
+
+ConvexGap gapBetween(const PointSet& first, Points second) { return nearestPlaces(first, second); }
+
+ConvexGap gapBetween(const PointSet& first, const PointSet& second) {
+  return nearestPlaces(first, second);
 }
 
 }  // namespace roundabout::planner::shield

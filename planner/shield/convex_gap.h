@@ -1,12 +1,8 @@
 #pragma once
 
-#include <span>
-
-#include <Eigen/Core>
+#include "planner/shield/point_set.h"
 
 namespace roundabout::planner::shield {
-
-using Points = std::span<const Eigen::Vector2d>;
 
 /// Two convex hulls, and the line that keeps the greatest distance from both.
 struct ConvexGap {
@@ -17,6 +13,8 @@ struct ConvexGap {
 /// Gilbert-Johnson-Keerthi distance of the hulls of two sets of points, neither empty. Swapped sets
 /// give the opposite normal. Hulls that overlap are measured along the line between their centres.
 ConvexGap gapBetween(Points first, Points second);
+ConvexGap gapBetween(const PointSet& first, Points second);
+ConvexGap gapBetween(const PointSet& first, const PointSet& second);
 
 /// Greatest normal . p.
 double extentAlong(Points points, const Eigen::Vector2d& normal);

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "planner/shield/scene.h"
 
 namespace roundabout::planner::shield {
 
@@ -11,7 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kDirections = 24;
 constexpr std::array kSpeedShares{1.0, 0.5};
 // Metres of clearance that a change by the top speed is worth: from the wanted command, and from
 // the last.
@@ -74,7 +74,7 @@ void Evasion::predictCourses(const Ego& ego, std::span<const Neighbour> neighbou
 /// Weighted, of the worst; negative: too near.
 double Evasion::clearanceOf(const Ego& ego, const Vector2d& velocity_mps) {
   const SentCommand command{velocity_mps, 0.0, parameters_.unshielded_horizon_s};
-  predict(ego.motion, ego.bounds, Pace::kAssumed, Arrival::kAll, &command, path_);
+  predict({&ego.motion, &ego.bounds, Pace::kAssumed, Arrival::kAll, &command}, path_);
   const Points own = path_.points();
   double clearance_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < count_; ++i) {
@@ -116,12 +116,11 @@ std::optional<Vector2d> Evasion::instead(const Ego& ego, std::span<const Neighbo
   };
   consider(wanted_mps);
   consider(Vector2d::Zero());
-  const double first = std::atan2(wanted_mps.y(), wanted_mps.x());
+  const auto fan = fanFrom(wanted_mps);
   for (const double share : kSpeedShares) {
-    for (int i = 0; i < kDirections; ++i) {
-      // To the right first: of equally good ones it stays.
-      const double angle = first - 2.0 * std::numbers::pi * i / kDirections;
-      consider(share * ego.max_speed_mps * Vector2d(std::cos(angle), std::sin(angle)));
+    // To the right first: of equally good ones it stays.
+    for (const Vector2d& direction : fan) {
+      consider(share * ego.max_speed_mps * direction);
     }
   }
   last_mps_ = best;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <utility>
 
 namespace roundabout::planner::shield {
 
@@ -12,18 +10,26 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kDirections = 24;
 constexpr std::array kSpeedShares{1.0, 0.5};
-constexpr std::size_t kCandidates = kDirections * kSpeedShares.size() + 1;
+constexpr std::size_t kCandidates = kFanDirections * kSpeedShares.size() + 1;
 
 }  // namespace
 
+// Into paths_, of which there are as many at least.
+void LookAhead::rollOut(const Ego& ego, std::span<const Vector2d> velocities_mps) {
+  std::array<SentCommand, std::tuple_size_v<decltype(paths_)>> commands;
+  std::array<Forecast, commands.size()> forecasts;
+  for (std::size_t i = 0; i < velocities_mps.size(); ++i) {
+    commands[i] = {velocities_mps[i], 0.0, parameters_.look_ahead_s};
+    forecasts[i] = {&ego.motion, &ego.bounds, Pace::kAssumed, Arrival::kAll, &commands[i]};
+  }
+  predict(std::span(forecasts).first(velocities_mps.size()), paths_);
+}
+
 // In nobody's way nearer than the gap, unless it was as near already.
-bool LookAhead::clear(const Ego& ego, const Scene& scene, const Vector2d& velocity_mps) {
-  const SentCommand command{velocity_mps, 0.0, parameters_.look_ahead_s};
-  predict(ego.motion, ego.bounds, Pace::kAssumed, Arrival::kAll, &command, path_);
+bool LookAhead::isClear(const Path& path, const Ego& ego, const Scene& scene) const {
   const auto steps = static_cast<std::size_t>(parameters_.look_ahead_s / Path::kStep_s);
-  const Points points = path_.points().first(std::min(steps + 1, path_.points().size()));
+  const Points points = path.points().first(std::min(steps + 1, path.points().size()));
   for (const Disc& disc : scene.discs()) {
     const double apart_m = disc.apart_m - parameters_.margin_m + parameters_.look_ahead_gap_m;
     const double now_m = disc.relative_m.norm();
@@ -46,28 +52,31 @@ bool LookAhead::clear(const Ego& ego, const Scene& scene, const Vector2d& veloci
 std::optional<Vector2d> LookAhead::instead(const Ego& ego, const Scene& scene,
                                            const BrakeConstraints& constraints,
                                            const Vector2d& wanted_mps) {
-  if (clear(ego, scene, wanted_mps)) {
+  rollOut(ego, std::span(&wanted_mps, 1));
+  if (isClear(paths_.front(), ego, scene)) {
     return std::nullopt;
   }
-  std::array<std::pair<double, Vector2d>, kCandidates> candidates;
+  std::array<Vector2d, kCandidates> candidates;
   std::size_t count = 0;
-  const auto add = [&](const Vector2d& velocity) {
-    candidates[count++] = {(velocity - wanted_mps).squaredNorm(), velocity};
-  };
+  candidates[count++] = Vector2d::Zero();
   const double speed = std::max(wanted_mps.norm(), 1e-3);
-  const double first = std::atan2(wanted_mps.y(), wanted_mps.x());
-  add(Vector2d::Zero());
+  const auto fan = fanFrom(wanted_mps);
   for (const double share : kSpeedShares) {
-    for (int i = 0; i < kDirections; ++i) {
-      const double angle = first - 2.0 * std::numbers::pi * i / kDirections;
-      add(share * speed * Vector2d(std::cos(angle), std::sin(angle)));
+    for (const Vector2d& direction : fan) {
+      candidates[count++] = share * speed * direction;
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first - 1e-12; });
-  for (const auto& [distance, velocity] : candidates) {
-    if (clear(ego, scene, velocity) && constraints.keeps(velocity)) {
-      return velocity;
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
+    return (a - wanted_mps).squaredNorm() < (b - wanted_mps).squaredNorm() - 1e-12;
+  });
+  for (std::size_t first = 0; first < candidates.size(); first += paths_.size()) {
+    const auto some =
+        std::span(candidates).subspan(first, std::min(paths_.size(), candidates.size() - first));
+    rollOut(ego, some);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (isClear(paths_[i], ego, scene) && constraints.keeps(some[i])) {
+        return some[i];
+      }
     }
   }
   return std::nullopt;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 
 #include "planner/shield/brake_constraints.h"
 #include "planner/shield/scene.h"
@@ -19,10 +21,11 @@ class LookAhead {
                                          const Eigen::Vector2d& wanted_mps);
 
  private:
-  bool clear(const Ego& ego, const Scene& scene, const Eigen::Vector2d& velocity_mps);
+  void rollOut(const Ego& ego, std::span<const Eigen::Vector2d> velocities_mps);
+  bool isClear(const Path& path, const Ego& ego, const Scene& scene) const;
 
   const ShieldParameters& parameters_;
-  Path path_;
+  std::array<Path, 16> paths_;  // of candidates that are rolled out side by side
 };
 
 }  // namespace roundabout::planner::shield

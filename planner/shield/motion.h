@@ -78,10 +78,22 @@ class Path {
 /// Which of the commands of a motion arrive.
 enum class Arrival { kAll, kLastIsLost };
 
+/// A path to predict. All that it points to outlives the prediction.
+struct Forecast {
+  const Motion* motion = nullptr;
+  const MotionBounds* bounds = nullptr;
+  Pace pace = Pace::kAssumed;
+  Arrival arrival = Arrival::kAll;
+  const SentCommand* next = nullptr;  ///< one more command, that is issued now
+};
+
 /// The path from now on, in steps of Path::kStep_s: commands that were issued, each until the next
-/// or until it expires, then braking. `next`: one more that is issued now.
-void predict(const Motion& motion, const MotionBounds& bounds, Pace pace, Arrival arrival,
-             const SentCommand* next, Path& path);
+/// or until it expires, then braking.
+void predict(const Forecast& forecast, Path& path);
+
+/// The same for several, paths[i] for forecasts[i]; faster than one after the other, and equal to
+/// that bit for bit.
+void predict(std::span<const Forecast> forecasts, std::span<Path> paths);
 
 /// The limited acceleration that a velocity error asks for.
 Eigen::Vector2d wantedAcceleration(const Eigen::Vector2d& error_mps, const MotionBounds& bounds);

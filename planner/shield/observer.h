@@ -21,8 +21,6 @@ class Observer {
   /// A command that the vehicle was sent, or that was heard. Older than the last: ignored.
   void onCommand(double issued_s, const Eigen::Vector2d& velocity_mps, double valid_for_s);
 
-  bool seen() const { return seen_; }
-
   /// What is known now. Heights are the caller's to fill in. Valid until the next call.
   const Motion& motion(double now_s);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 namespace roundabout::planner::shield {
@@ -25,6 +26,16 @@ double timeToDisc(const Vector2d& relative_m, const Vector2d& relative_mps, doub
   const double speed_squared = relative_mps.squaredNorm();
   const double root = approach * approach - speed_squared * outside;
   return root < 0.0 ? kNever : outside / (approach + std::sqrt(root));
+}
+
+std::array<Vector2d, kFanDirections> fanFrom(const Vector2d& direction) {
+  std::array<Vector2d, kFanDirections> fan;
+  const double first = std::atan2(direction.y(), direction.x());
+  for (std::size_t i = 0; i < fan.size(); ++i) {
+    const double angle = first - 2.0 * std::numbers::pi * static_cast<double>(i) / kFanDirections;
+    fan[i] = {std::cos(angle), std::sin(angle)};
+  }
+  return fan;
 }
 
 void Scene::build(const Ego& ego, std::span<const Neighbour> neighbours,
@@ -53,7 +64,8 @@ void Scene::build(const Ego& ego, std::span<const Neighbour> neighbours,
   });
 }
 
-double Scene::timeToCollision(const Vector2d& velocity_mps, double horizon_s) const {
+double Scene::timeToCollision(const Vector2d& velocity_mps, double horizon_s,
+                              double enough_s) const {
   double earliest_s = horizon_s;
   for (const Disc& disc : discs_) {
     const Vector2d relative =
@@ -61,6 +73,9 @@ double Scene::timeToCollision(const Vector2d& velocity_mps, double horizon_s) co
                     : Vector2d(2.0 * velocity_mps - velocity_mps_ - disc.velocity_mps);
     const double apart_m = disc.parked ? disc.apart_m - kGraze_m : disc.apart_m;
     earliest_s = std::min(earliest_s, timeToDisc(disc.relative_m, relative, apart_m));
+    if (earliest_s < enough_s) {
+      break;
+    }
   }
   return earliest_s;
 }

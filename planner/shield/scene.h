@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -17,6 +18,10 @@ struct Disc {
   int id;
 };
 
+/// Unit vectors all round, the first along a direction, each next one to the right of the last.
+inline constexpr std::size_t kFanDirections = 24;
+std::array<Eigen::Vector2d, kFanDirections> fanFrom(const Eigen::Vector2d& direction);
+
 /// The world round the ego now.
 class Scene {
  public:
@@ -28,8 +33,10 @@ class Scene {
   std::span<const Disc> discs() const { return discs_; }
 
   /// s until a velocity leads into a disc, at most `horizon_s`. An active disc makes half of the
-  /// change (reciprocal velocity obstacle), a parked one none.
-  double timeToCollision(const Eigen::Vector2d& velocity_mps, double horizon_s) const;
+  /// change (reciprocal velocity obstacle), a parked one none. Once it is found to be less than
+  /// `enough_s` nothing earlier is looked for.
+  double timeToCollision(const Eigen::Vector2d& velocity_mps, double horizon_s,
+                         double enough_s = 0.0) const;
   /// The same with active discs alone.
   double timeToActive(const Eigen::Vector2d& velocity_mps, double horizon_s) const;
 

@@ -2,6 +2,12 @@
 // the margin of its predicted brake path. The oracle is the simulator's multirotor: autopilot,
 // attitude loop, limits on tilt, acceleration and jerk, drag.
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "common/core/random.h"
@@ -116,8 +122,9 @@ class Flight {
     const SentCommand brake{Vector2d::Zero(), 0.0, kValid_s};
     std::vector<Vector2d> hull;
     Path path;
+    const MotionBounds assumed = bounds();
     for (const Pace pace : {Pace::kAssumed, Pace::kSlowest}) {
-      predict(motion, bounds(), pace, Arrival::kAll, told ? &brake : nullptr, path);
+      predict({&motion, &assumed, pace, Arrival::kAll, told ? &brake : nullptr}, path);
       hull.insert(hull.end(), path.points().begin(), path.points().end());
     }
     double worst_m = 0.0;
@@ -170,6 +177,122 @@ TEST(BrakePath, HoldsNearlyWhenCommandsExpire) {
 
 TEST(BrakePath, DoesNotHoldBeyondTheReserve) {
   EXPECT_GE(worstOf(2.0, 1.0, End::kToldToBrake), 0.1);
+}
+
+struct Told {
+  Motion motion;
+  MotionBounds bounds;
+  std::array<SentCommand, 3> commands;
+  SentCommand next;
+};
+
+Vector2d randomVector(core::RandomStream& random, double most) {
+  return {random.uniform(-most, most), random.uniform(-most, most)};
+}
+
+// Multirotors of all sorts, one in four something else.
+Told randomTold(core::RandomStream& random) {
+  Told told;
+  told.bounds = Flight::bounds();
+  told.bounds.max_acceleration_mps2 = random.uniform(1.0, 4.0);
+  told.bounds.max_jerk_mps3 = random.chance(0.5) ? 30.0 : std::numeric_limits<double>::infinity();
+  if (random.chance(0.25)) {
+    (random.chance(0.5) ? told.bounds.max_turn_rate_radps : told.bounds.inner_lag_s) = 0.0;
+  }
+  told.motion.position_world_m = randomVector(random, 3.0);
+  told.motion.velocity_world_mps = randomVector(random, 1.5);
+  told.motion.age_s = random.chance(0.3) ? 0.0 : random.uniform(0.0, 0.3);
+  for (Drive& drive : told.motion.drives) {
+    drive = {randomVector(random, 3.0), randomVector(random, 3.0)};
+  }
+  double age_s = random.uniform(0.2, 0.4);
+  for (SentCommand& command : told.commands) {
+    command = {randomVector(random, 1.5), age_s, kValid_s};
+    age_s -= 0.1;
+  }
+  told.next = {randomVector(random, 1.5), 0.0, kValid_s};
+  return told;
+}
+
+// Step by step, with the laws of motion alone: where it is after each step of a path.
+std::vector<Vector2d> stepByStep(const Told& told, Pace pace, std::size_t steps) {
+  const MotionBounds bounds = told.bounds.at(pace);
+  Vector2d position = told.motion.position_world_m;
+  Vector2d velocity = told.motion.velocity_world_mps;
+  Drive drive = told.motion.drives[static_cast<std::size_t>(pace)];
+  const auto commandAt = [&](double time_s) {
+    Vector2d in_force = told.commands.front().velocity_world_mps;
+    for (const SentCommand& each :
+         {told.commands[0], told.commands[1], told.commands[2], told.next}) {
+      if (time_s + each.age_s >= bounds.delay_s) {
+        in_force = time_s + each.age_s < each.valid_for_s ? each.velocity_world_mps
+                                                          : Vector2d(Vector2d::Zero());
+      }
+    }
+    return in_force;
+  };
+  const double step_s = 0.5 * Path::kStep_s;
+  const auto advance = [&](double from_s, double part_s) {
+    const double share = part_s / step_s * (1.0 - std::exp(-step_s / bounds.inner_lag_s));
+    follow(wantedAcceleration(commandAt(from_s + 0.5 * part_s) - velocity, bounds), bounds, share,
+           part_s, drive);
+    velocity += part_s * drive.acceleration_mps2;
+    position += part_s * velocity;
+  };
+  for (double time_s = -told.motion.age_s; time_s < -1e-9;) {
+    const double part_s = std::min(step_s, -time_s);
+    advance(time_s, part_s);
+    time_s += part_s;
+  }
+  std::vector<Vector2d> places{position};
+  for (std::size_t k = 1; k < steps; ++k) {
+    advance((2.0 * static_cast<double>(k) - 2.0) * step_s, step_s);
+    advance((2.0 * static_cast<double>(k) - 1.0) * step_s, step_s);
+    places.push_back(position);
+  }
+  return places;
+}
+
+TEST(BrakePath, ManySideBySideAreEachAsAlone) {
+  core::RandomStream random(1, "side by side");
+  std::vector<Told> told(60);
+  std::vector<Forecast> forecasts;
+  for (Told& each : told) {
+    each = randomTold(random);
+    each.motion.commands = std::span(each.commands).first(random.index(4));
+    for (const Pace pace : {Pace::kAssumed, Pace::kSlowest}) {
+      forecasts.push_back({&each.motion, &each.bounds, pace,
+                           random.chance(0.5) ? Arrival::kAll : Arrival::kLastIsLost,
+                           random.chance(0.5) ? &each.next : nullptr});
+    }
+  }
+  std::vector<Path> paths(forecasts.size());
+  predict(forecasts, paths);
+  for (std::size_t i = 0; i < forecasts.size(); ++i) {
+    Path alone;
+    predict(forecasts[i], alone);
+    EXPECT_TRUE(std::ranges::equal(paths[i].points(), alone.points())) << i;
+  }
+}
+
+TEST(BrakePath, FollowsTheLawsOfMotionStepByStep) {
+  core::RandomStream random(2, "step by step");
+  for (int i = 0; i < 200; ++i) {
+    Told told = randomTold(random);
+    told.bounds.inner_lag_s = 0.15;
+    told.bounds.max_turn_rate_radps = MotionBounds().max_turn_rate_radps;
+    told.motion.commands = told.commands;
+    for (const Pace pace : {Pace::kAssumed, Pace::kSlowest}) {
+      Path path;
+      predict({&told.motion, &told.bounds, pace, Arrival::kAll, &told.next}, path);
+      const std::size_t steps = path.points().size() - 1;  // the last one is where it rests
+      ASSERT_GE(steps, 8U);
+      const std::vector<Vector2d> places = stepByStep(told, pace, steps);
+      for (std::size_t k = 0; k < steps; ++k) {
+        ASSERT_NEAR((path.points()[k] - places[k]).norm(), 0.0, 1e-9) << i << ", step " << k;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -73,13 +73,14 @@ void Crowd::observe() {
       const Vehicle& seen = vehicles_[j];
       const Vector2d noise(random_.normal(1.0), random_.normal(1.0));
       const Vector2d velocity_noise(random_.normal(1.0), random_.normal(1.0));
-      if (!watcher.observers[j].seen() || !random_.chance(settings_.loss)) {
+      if (!observed_ || !random_.chance(settings_.loss)) {
         watcher.observers[j].onState(
             time_s_, seen.position_m + settings_.position_noise_m * noise,
             seen.velocity_mps + settings_.velocity_noise_mps * velocity_noise, seen.heading_rad);
       }
     }
   }
+  observed_ = true;
 }
 
 void Crowd::decide(std::size_t i, const Want& want) {

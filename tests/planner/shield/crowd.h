@@ -71,6 +71,7 @@ class Crowd {
   core::RandomStream random_;
   std::vector<Vehicle> vehicles_;
   double time_s_ = 1.0;
+  bool observed_ = false;  // everybody has been seen once
   double closest_m_ = 1e9;
   double closest_static_m_ = 1e9;
   std::vector<Wall> walls_;
