@@ -16,6 +16,8 @@ using Eigen::Vector2d;
 
 // Slower than this, whoever is told to stay stands.
 constexpr double kStands_mps = 0.1;
+// Nearer it is on its goal, if it still moves.
+constexpr double kOnGoal_m = 0.15;
 // A heading is taken from a velocity that is faster than this.
 constexpr double kDirected_mps = 0.05;
 // What was said longer ago holds no more.
@@ -324,9 +326,15 @@ bool FlightShield::wouldSurprise(bool stays, const Situation& situation,
          (!moves(*last_sent_) || holdsPlace(*last_sent_, state));
 }
 
+bool FlightShield::isOnGoal(const core::VehicleState& state, const Status& status) {
+  return stands(state) || !status.goal ||
+         (status.goal->position_world_m - state.position_world_m).head<2>().norm() <= kOnGoal_m;
+}
+
 /// It is where it shall be, or was until somebody asked for the way. Only who hovers steps aside.
-bool FlightShield::isParked(const Situation& situation, Mode mode) {
-  arrived_ = arrived_ || mode == Mode::kAtGoal;
+bool FlightShield::isParked(const Situation& situation, const Status& status) {
+  const Mode mode = status.mode;
+  arrived_ = arrived_ || (mode == Mode::kAtGoal && isOnGoal(situation.own().state(), status));
   const bool may_step_aside =
       arrived_ && (situation.inTheAir() || !config::flies(situation.vehicle()));
   bool asked = false;
@@ -351,7 +359,7 @@ shield::Ego FlightShield::egoFor(core::Utime now, const Situation& situation,
   ego.preferred_speed_mps = vehicle.preferred_speed_mps;
   ego.max_speed_mps = vehicle.preferred_speed_mps;
   ego.id = static_cast<int>(own_index_);
-  ego.parked = isParked(situation, status.mode);
+  ego.parked = isParked(situation, status);
   return ego;
 }
 

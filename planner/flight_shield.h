@@ -58,7 +58,8 @@ class FlightShield {
   bool holdsPlace(const core::Command& command, const core::VehicleState& state) const;
   bool wouldSurprise(bool stays, const Situation& situation,
                      const shield::ShieldDecision& decision) const;
-  bool isParked(const Situation& situation, Mode mode);
+  static bool isOnGoal(const core::VehicleState& state, const Status& status);
+  bool isParked(const Situation& situation, const Status& status);
   shield::Ego egoFor(core::Utime now, const Situation& situation, const core::Command& command,
                      const Status& status);
   void flyInstead(const shield::ShieldDecision& decision, const Situation& situation,

@@ -36,6 +36,14 @@ constexpr double kReached_m = 0.15;
 constexpr double kAskAfter_s = 4.0;
 // Where a vehicle shall slow down near its goal it is expected to go on at least at this share.
 constexpr double kLeastExpectedShare = 0.15;
+// The breaker, which turns at once, slows down nearer to it, and less.
+constexpr double kSlowDownShare = 0.6;
+constexpr double kLeastApproachShare = 0.3;
+
+// Of the preferred speed, going down linearly within a distance of the goal; 0: nowhere.
+double approachShare(double distance_m, double within_m, double least) {
+  return within_m > 0.0 ? std::clamp(distance_m / within_m, least, 1.0) : 1.0;
+}
 
 }  // namespace
 
@@ -101,18 +109,21 @@ std::optional<Breaker::Plan> Breaker::update(const Ego& ego, const Scene& scene,
     progress_ = 1.0;
     return std::nullopt;
   }
-  const Vector2d desired = expected_mps_ * (Eigen::Rotation2Dd(-lean_rad_) * direction);
+  const double speed_mps =
+      std::max(expected_mps_,
+               ego.preferred_speed_mps *
+                   approachShare(distance_m, kSlowDownShare * parameters_.slow_down_distance_m,
+                                 kLeastApproachShare));
+  const Vector2d desired = speed_mps * (Eigen::Rotation2Dd(-lean_rad_) * direction);
   const bool asks = parameters_.steps_aside && (!has_way_ || active_s_ > kAskAfter_s);
   return Plan{sample(scene, desired, ego.preferred_speed_mps), asks};
 }
 
 void Breaker::noteProgress(const Ego& ego, const Scene& scene) {
   const double distance_m = (ego.goal_world_m - scene.position()).norm();
-  const double slow_share =
-      parameters_.slow_down_distance_m > 0.0
-          ? std::clamp(distance_m / parameters_.slow_down_distance_m, kLeastExpectedShare, 1.0)
-          : 1.0;
-  expected_mps_ = std::max(1e-3, slow_share * ego.preferred_speed_mps);
+  expected_mps_ = std::max(
+      1e-3, ego.preferred_speed_mps *
+                approachShare(distance_m, parameters_.slow_down_distance_m, kLeastExpectedShare));
   if (step_s_ > 0.0) {
     const double rate = (last_distance_m_ - distance_m) / step_s_ / expected_mps_;
     const double share = 1.0 - std::exp(-step_s_ / parameters_.progress_time_constant_s);
@@ -134,6 +145,10 @@ void Breaker::begin() {
 }
 
 bool Breaker::mayEnd(const Ego& ego, const Scene& scene) const {
+  // So near, a policy turns slowly: one that does not head for its goal would miss it.
+  if (last_distance_m_ < parameters_.slow_down_distance_m) {
+    return false;
+  }
   const double stay_s =
       std::min(kLongestStay_s, kFirstStay_s * std::exp2(std::min(entries_ - 1, 8)));
   const bool gained = last_distance_m_ < record_m_ - kGain_m || free_s_ >= kFreeFor_s;

@@ -1,5 +1,7 @@
 #include "planner/shield/parameters.h"
 
+#include <algorithm>
+
 namespace roundabout::planner::shield {
 
 ShieldParameters ShieldParameters::idealRules() {
@@ -16,14 +18,17 @@ ShieldParameters ShieldParameters::lab() {
   parameters.breaker_horizon_s = 3.0;
   parameters.block_horizon_s = 1.5;
   parameters.slow_down_distance_m = 2.0;
+  parameters.progress_time_constant_s = 1.0;
+  parameters.stalled_share = 0.4;
   parameters.steps_aside = true;
   return parameters;
 }
 
 void ShieldParameters::suit(std::string_view policy) {
-  const bool remembers_nothing = policy == "orca" || policy == "non_cooperative";
-  progress_time_constant_s = remembers_nothing ? 1.0 : 2.0;
-  stalled_share = remembers_nothing ? 0.3 : 0.2;
+  if (policy == "orca" || policy == "non_cooperative") {
+    progress_time_constant_s = std::min(progress_time_constant_s, 1.0);
+    stalled_share = std::max(stalled_share, 0.3);
+  }
 }
 
 }  // namespace roundabout::planner::shield

@@ -23,7 +23,8 @@ struct ShieldParameters {
   double look_ahead_gap_m = 0.05;
 
   bool breaker = true;
-  /// Within this distance of the goal the vehicle is expected to slow down linearly; 0: it is not.
+  /// Within this distance of the goal what a policy wants is slowed down linearly, and turns the
+  /// less; 0: nowhere.
   double slow_down_distance_m = 0.0;
   double progress_time_constant_s = 2.0;  ///< 1 for policies without a memory
   double stalled_share = 0.2;             ///< of the preferred speed; slower: stalled

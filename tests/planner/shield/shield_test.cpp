@@ -196,6 +196,24 @@ TEST(Shield, AParkedVehicleStepsAsideForWhoAsksAndReturns) {
   EXPECT_EQ(shield.decide(ego, others, {}, {0.3, 0.0}, 0.2).velocity_world_mps, Vector2d(0.3, 0.0));
 }
 
+TEST(Shield, BringsWhoDawdlesBeforeItsGoalAllTheWay) {
+  Shield shield(ShieldParameters::lab());
+  const std::vector<Neighbour> others{neighbourAt(0.0, 6.0)};
+  Ego ego = egoAt(0, 0);
+  ego.goal_world_m = {1.8, 0.0};
+  bool taken_over = false;
+  int steps = 0;
+  for (; (ego.goal_world_m - ego.motion.position_world_m).norm() > 0.3 && steps < 80; ++steps) {
+    const Vector2d across(0.0, steps % 20 < 10 ? 0.1 : -0.1);
+    const ShieldDecision decision = shield.decide(ego, others, {}, across, 0.1 * steps);
+    EXPECT_FALSE(taken_over && decision.layer == Layer::kNone) << steps;
+    taken_over = taken_over || decision.layer == Layer::kBreaker;
+    ego.motion.velocity_world_mps = decision.velocity_world_mps;
+    ego.motion.position_world_m += 0.1 * decision.velocity_world_mps;
+  }
+  EXPECT_LT(steps, 60);
+}
+
 TEST(Shield, TheOrderOfNeighboursChangesNothing) {
   core::RandomStream random(3, "order");
   for (int k = 0; k < 100; ++k) {
