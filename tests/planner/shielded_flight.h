@@ -97,19 +97,55 @@ inline config::Experiment circleOf(std::size_t count, double radius_m) {
   return experiment;
 }
 
+/// Loses a share of the states and commands that another bus hears.
+class LossyBus final : public bus::Bus {
+ public:
+  LossyBus(std::unique_ptr<bus::Bus> bus, double loss, std::uint64_t seed)
+      : bus_(std::move(bus)), loss_(loss), random_(seed, "loss") {}
+
+  void publish(const std::string& channel, std::span<const std::byte> payload) override {
+    bus_->publish(channel, payload);
+  }
+  void subscribe(const std::string& channel, Handler handler) override {
+    bus_->subscribe(channel, lossy(std::move(handler)));
+  }
+  void subscribePrefix(const std::string& prefix, Handler handler) override {
+    bus_->subscribePrefix(prefix, lossy(std::move(handler)));
+  }
+  int handle(std::chrono::milliseconds timeout) override { return bus_->handle(timeout); }
+
+ private:
+  Handler lossy(Handler handler) {
+    return [this, handler = std::move(handler)](const bus::Received& received) {
+      const bool may_be_lost = received.channel == bus::kStatesChannel ||
+                               received.channel.starts_with(bus::commandChannel(""));
+      if (!may_be_lost || !random_.chance(loss_)) {
+        handler(received);
+      }
+    };
+  }
+
+  std::unique_ptr<bus::Bus> bus_;
+  double loss_;
+  core::RandomStream random_;
+};
+
 /// The simulator and everybody's planner, as processes are but in one thread: each has its own bus
 /// on one network. Whoever is in the air hears only what goes over the wires.
 class ShieldedFlight {
  public:
   using MakePolicy = std::function<std::unique_ptr<Policy>(std::size_t vehicle)>;
 
-  ShieldedFlight(const config::Experiment& experiment, const MakePolicy& make)
-      : experiment_(experiment), lab_(network_), sim_bus_(network_) {
+  ShieldedFlight(const config::Experiment& experiment, const MakePolicy& make, double loss = 0.0)
+      : experiment_(experiment),
+        lab_(network_),
+        sim_bus_(std::make_unique<bus::MemoryBus>(network_), loss, 0) {
     statuses.resize(experiment.vehicles.size());
     commands.resize(experiment.vehicles.size());
     for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
       const std::string& name = experiment.vehicles[i].name;
-      buses_.push_back(std::make_unique<bus::MemoryBus>(network_));
+      buses_.push_back(
+          std::make_unique<LossyBus>(std::make_unique<bus::MemoryBus>(network_), loss, i + 1));
       planners_.push_back(std::make_unique<PlannerNode>(experiment, name, make(i), *buses_.back()));
       const auto ignore = [](const bus::DecodeError&) {};
       bus::subscribe<roundabout_msgs::planner_status_t>(
@@ -169,6 +205,8 @@ class ShieldedFlight {
   }
   /// Between bodies, in truth, so far. m.
   double closestM() const { return sim_->report().closest_m; }
+  /// The same as seen from above, whatever their heights.
+  double closestInPlanM() const { return closest_in_plan_m_; }
   /// Between bodies and walls, obstacles or no-fly zones, in truth, so far. m.
   double closestStaticM() const { return closest_static_m_; }
   int interventions(std::size_t vehicle) const {
@@ -205,6 +243,12 @@ class ShieldedFlight {
           nearest_m = std::min(nearest_m, core::distanceTo(obstacle.points_m, place_m));
         }
       }
+      for (std::size_t j = 0; j < i; ++j) {
+        const double apart_m = (place(j) - place_m).norm();
+        closest_in_plan_m_ =
+            std::min(closest_in_plan_m_, apart_m - experiment_.vehicles[i].body_radius_m -
+                                             experiment_.vehicles[j].body_radius_m);
+      }
       closest_static_m_ =
           std::min(closest_static_m_, nearest_m - experiment_.vehicles[i].body_radius_m);
     }
@@ -213,12 +257,13 @@ class ShieldedFlight {
   config::Experiment experiment_;
   std::shared_ptr<bus::MemoryNetwork> network_ = std::make_shared<bus::MemoryNetwork>();
   bus::MemoryBus lab_;
-  bus::MemoryBus sim_bus_;
-  std::vector<std::unique_ptr<bus::MemoryBus>> buses_;
+  LossyBus sim_bus_;
+  std::vector<std::unique_ptr<LossyBus>> buses_;
   std::vector<std::unique_ptr<PlannerNode>> planners_;
   std::unique_ptr<sim::SimNode> sim_;
   core::Utime now_ = 0;
   std::int64_t goals_ = 0;
+  double closest_in_plan_m_ = std::numeric_limits<double>::infinity();
   double closest_static_m_ = std::numeric_limits<double>::infinity();
 };
 

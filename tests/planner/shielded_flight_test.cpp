@@ -195,6 +195,51 @@ TEST(ShieldedFlight, ARingOfParkedVehiclesOpensForWhoseGoalIsInItsMiddle) {
   }
 }
 
+// Two fly at each other, one of them 1.2 m higher.
+config::Experiment twoStoreys() {
+  config::Experiment experiment = circleOf(2, 3.0);
+  experiment.vehicles[1].height_m = 2.2;
+  return experiment;
+}
+
+TEST(ShieldedFlight, WhoIsFarEnoughAboveFliesOver) {
+  config::Experiment experiment = twoStoreys();
+  experiment.shield.height_separation_m = 0.8;
+  ShieldedFlight flight(experiment, straight);
+  flight.takeOff();
+  flight.run(3.0);
+  sendAcross(flight, experiment);
+  flight.run(15.0);
+  EXPECT_LT(flight.closestInPlanM(), -0.5) << "one above the other";
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(flight.interventions(i), 0) << i;
+    EXPECT_TRUE(flight.isNear(i, -experiment.vehicles[i].start->position_m)) << i;
+  }
+}
+
+TEST(ShieldedFlight, InTheDownwashNobodyFliesUnlessTheExperimentSaysSo) {
+  config::Experiment experiment = twoStoreys();
+  ShieldedFlight flight(experiment, straight);
+  flight.takeOff();
+  flight.run(3.0);
+  sendAcross(flight, experiment);
+  flight.run(25.0);
+  EXPECT_GT(flight.closestInPlanM(), 0.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_TRUE(flight.isNear(i, -experiment.vehicles[i].start->position_m)) << i;
+  }
+}
+
+TEST(ShieldedFlight, NobodyTouchesAnybodyWhenEveryFifthMessageIsLost) {
+  const config::Experiment experiment = circleOf(6, 2.5);
+  ShieldedFlight flight(experiment, chasers, 0.2);
+  flight.takeOff();
+  sendFarAway(flight, 6);
+  flight.run(15.0);
+  EXPECT_GT(flight.closestM(), 0.0);
+  EXPECT_LT(flight.closestM(), 0.4) << "they did try";
+}
+
 TEST(ShieldedFlight, AnUnshieldedVehicleGetsTheWholeGap) {
   config::Experiment experiment = circleOf(4, 3.0);
   experiment.vehicles[0].shielded = false;
