@@ -27,6 +27,7 @@ constexpr double kMovingShare = 0.25;
 
 constexpr double kLeanRate_radps = 1.2;
 constexpr double kUprightRate_radps = 1.0;
+constexpr double kFreeUprightRate_radps = 4.0;  // once nobody is in the straight way any more
 constexpr double kMostLean_rad = 2.4;
 constexpr double kSmallLean_rad = 0.2;
 
@@ -184,10 +185,14 @@ void Breaker::replan(const Ego& ego, const Scene& scene, const Statics& statics)
 
 // Everybody who is blocked leans to the same side, so that they go round each other.
 void Breaker::lean(const Scene& scene, const Vector2d& direction, double preferred_mps) {
+  const double horizon_s = parameters_.block_horizon_s;
+  if (scene.timeToCollision(preferred_mps * direction, horizon_s) >= horizon_s) {
+    lean_rad_ = std::max(0.0, lean_rad_ - kFreeUprightRate_radps * step_s_);
+    return;
+  }
   const Vector2d leaning = Eigen::Rotation2Dd(-lean_rad_) * direction;
   const bool slow = scene.velocity().dot(leaning) < 0.25 * preferred_mps;
-  const bool blocked = scene.timeToActive(preferred_mps * leaning, parameters_.block_horizon_s) <
-                       parameters_.block_horizon_s;
+  const bool blocked = scene.timeToActive(preferred_mps * leaning, horizon_s) < horizon_s;
   lean_rad_ = slow && blocked ? std::min(kMostLean_rad, lean_rad_ + kLeanRate_radps * step_s_)
                               : std::max(0.0, lean_rad_ - kUprightRate_radps * step_s_);
 }

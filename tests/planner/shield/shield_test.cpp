@@ -214,6 +214,26 @@ TEST(Shield, BringsWhoDawdlesBeforeItsGoalAllTheWay) {
   EXPECT_LT(steps, 60);
 }
 
+TEST(Shield, GoesStraightSoonAfterWhoBlockedItIsGone) {
+  Shield shield(ShieldParameters::lab());
+  const Ego ego = egoAt(0, 0);
+  double now_s = 0.0;
+  const auto decideFor = [&](double duration_s, const Neighbour& other) {
+    const std::vector<Neighbour> others{other};
+    ShieldDecision decision;
+    for (const double end_s = now_s + duration_s; now_s < end_s; now_s += 0.1) {
+      decision = shield.decide(ego, others, {}, {0.0, 0.0}, now_s);
+    }
+    return decision;
+  };
+  const ShieldDecision blocked = decideFor(8.0, neighbourAt(0.75, 0.0));
+  EXPECT_EQ(blocked.layer, Layer::kBreaker);
+  EXPECT_LT(blocked.velocity_world_mps.x(), 0.3);
+  const ShieldDecision free = decideFor(0.8, neighbourAt(-6.0, 3.0));
+  EXPECT_EQ(free.layer, Layer::kBreaker);
+  EXPECT_GT(free.velocity_world_mps.x(), 0.9);
+}
+
 TEST(Shield, TheOrderOfNeighboursChangesNothing) {
   core::RandomStream random(3, "order");
   for (int k = 0; k < 100; ++k) {
