@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "common/config/experiment.h"
@@ -13,9 +14,15 @@ struct BodyKey {
   bool operator==(const BodyKey&) const = default;
 };
 
-/// For people: "Hex_1" or "id 4".
-inline std::string text(const BodyKey& key) {
-  return key.name.empty() ? "id " + std::to_string(key.id) : key.name;
+/// For people: "Hex_1", or "id 4" of a body without a name.
+inline std::string bodyText(const std::string& name, std::int64_t id) {
+  return name.empty() ? "id " + std::to_string(id) : name;
+}
+inline std::string text(const BodyKey& key) { return bodyText(key.name, key.id); }
+
+/// True if a body with that name and streaming id is the one that is wanted.
+inline bool matches(const BodyKey& key, const std::string& name, std::int64_t id) {
+  return key.name.empty() ? id == key.id : name == key.name;
 }
 
 /// What mocap.bodies says of a vehicle, or nullptr.

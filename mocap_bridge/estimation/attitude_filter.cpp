@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mocap_bridge/estimation/rotation.h"
+#include "common/core/rotation.h"
 
 namespace roundabout::mocap_bridge {
 
@@ -23,7 +23,7 @@ AttitudeFilter::AttitudeFilter(const Noise& noise, const Eigen::Quaterniond& ori
 
 void AttitudeFilter::predict(double seconds) {
   const double t = seconds;
-  orientation_ = (orientation_ * fromRotationVector(rate_ * t)).normalized();
+  orientation_ = (orientation_ * core::fromRotationVector(rate_ * t)).normalized();
   // The coupling of angle and rate would turn with the body; by less than a degree in a frame.
   Eigen::Matrix2d step;
   step << 1.0, t, 0.0, 1.0;
@@ -35,12 +35,12 @@ void AttitudeFilter::predict(double seconds) {
 }
 
 void AttitudeFilter::update(const Eigen::Quaterniond& orientation) {
-  const Eigen::Vector3d innovation = toRotationVector(orientation_.conjugate() * orientation);
+  const Eigen::Vector3d innovation = core::toRotationVector(orientation_.conjugate() * orientation);
   const double surprise = innovation.cwiseAbs().maxCoeff() / innovationDeviation();
   const double doubt = std::max(1.0, surprise / kHuber);
   const double measurement = noise_.measurement_rad * noise_.measurement_rad * doubt * doubt;
   const Eigen::Vector2d gain = covariance_.col(0) / (covariance_(0, 0) + measurement);
-  orientation_ = (orientation_ * fromRotationVector(gain[0] * innovation)).normalized();
+  orientation_ = (orientation_ * core::fromRotationVector(gain[0] * innovation)).normalized();
   rate_ += gain[1] * innovation;
   Eigen::Matrix2d keep = Eigen::Matrix2d::Identity();
   keep.col(0) -= gain;

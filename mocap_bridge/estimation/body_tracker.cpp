@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mocap_bridge/estimation/rotation.h"
+#include "common/core/rotation.h"
 
 namespace roundabout::mocap_bridge {
 
@@ -25,7 +25,7 @@ constexpr core::Utime kRememberPlace = 2 * core::kMicrosPerSecond;
 constexpr core::Utime kForget = 10 * core::kMicrosPerSecond;
 
 double angleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  return toRotationVector(a.conjugate() * b).norm();
+  return core::toRotationVector(a.conjugate() * b).norm();
 }
 
 // Faults of which time does not cure.

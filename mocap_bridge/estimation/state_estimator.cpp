@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "common/config/mapped_body.h"
 #include "common/core/error.h"
+#include "common/core/rotation.h"
 
 namespace roundabout::mocap_bridge {
 
@@ -30,16 +30,10 @@ TrackerSettings settingsOf(const config::MocapFilter& filter, const config::Vehi
   return settings;
 }
 
-Eigen::Quaterniond fromRollPitchYaw(const Eigen::Vector3d& angles_rad) {
-  return Eigen::AngleAxisd(angles_rad.z(), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(angles_rad.y(), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(angles_rad.x(), Eigen::Vector3d::UnitX());
-}
-
 }  // namespace
 
 bool StateEstimator::Mapping::is(const BodyPose& pose) const {
-  return body.empty() ? pose.id == id : pose.name == body;
+  return config::matches(key, pose.name, pose.id);
 }
 
 StateEstimator::StateEstimator(const config::Experiment& experiment, const std::string& usual_axes)
@@ -49,15 +43,14 @@ StateEstimator::StateEstimator(const config::Experiment& experiment, const std::
   for (const config::Vehicle& vehicle : experiment.vehicles) {
     const config::BodyKey key = config::bodyKeyOf(experiment.mocap, vehicle.name);
     Mapping mapping;
-    mapping.body = key.name;
-    mapping.id = key.id;
+    mapping.key = key;
     if (const auto* body = config::mocapBodyOf(experiment.mocap, vehicle.name)) {
       mapping.offset_m = body->offset_m;
-      mapping.rotation = fromRollPitchYaw(body->rotation_rad);
+      mapping.rotation = core::fromRollPitchYaw(body->rotation_rad);
     }
     radii_m_.push_back(vehicle.body_radius_m);
     settings_.push_back(settingsOf(experiment.mocap.filter, vehicle));
-    vehicles_.push_back({vehicle.name, text(key), false, BodyTracker(settings_.back())});
+    vehicles_.push_back({vehicle.name, key, text(key), false, BodyTracker(settings_.back())});
     mappings_.push_back(std::move(mapping));
     states_.vehicles.emplace_back().name = vehicle.name;
   }

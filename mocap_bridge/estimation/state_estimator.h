@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/config/experiment.h"
+#include "common/config/mapped_body.h"
 #include "common/core/vehicle_state.h"
 #include "mocap_bridge/estimation/axes.h"
 #include "mocap_bridge/estimation/body_tracker.h"
@@ -20,7 +21,8 @@ class StateEstimator {
  public:
   struct Vehicle {
     std::string name;
-    std::string body;       ///< wanted, for people: "Hex_1" or "id 4"
+    config::BodyKey key;    ///< of the body that it is
+    std::string body;       ///< the same for people: "Hex_1" or "id 4"
     bool streamed = false;  ///< the body was in the last frame
     BodyTracker tracker;
     Verdict last = Verdict::kAbsent;
@@ -46,8 +48,7 @@ class StateEstimator {
 
  private:
   struct Mapping {
-    std::string body;  // empty: by id
-    std::int64_t id = -1;
+    config::BodyKey key;
     Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     std::size_t hint = 0;  // where it stood in the last frame

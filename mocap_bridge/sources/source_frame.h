@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/config/mapped_body.h"
 #include "common/core/time.h"
 
 namespace roundabout::mocap_bridge {
@@ -24,7 +25,7 @@ struct BodyPose {
 
 /// For people: "Hex_1", or "id 4" where the system says no name.
 inline std::string nameOf(const BodyPose& body) {
-  return body.name.empty() ? "id " + std::to_string(body.id) : body.name;
+  return config::bodyText(body.name, body.id);
 }
 
 /// A time stamp or counter of a frame as it stood in the packet.

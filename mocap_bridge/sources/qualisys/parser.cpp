@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <pugixml.hpp>
 
+#include "common/core/rotation.h"
+
 namespace roundabout::mocap_bridge::qualisys {
 
 namespace {
@@ -33,11 +35,7 @@ std::size_t bodyBytes(Component component) {
 }
 
 std::array<double, 9> matrixOf(const Eigen::Vector3d& degrees) {
-  const Eigen::Matrix3d matrix =
-      (Eigen::AngleAxisd(kDegree * degrees.x(), Eigen::Vector3d::UnitX()) *
-       Eigen::AngleAxisd(kDegree * degrees.y(), Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(kDegree * degrees.z(), Eigen::Vector3d::UnitZ()))
-          .toRotationMatrix();
+  const Eigen::Matrix3d matrix = core::fromIntrinsicXyz(kDegree * degrees).toRotationMatrix();
   std::array<double, 9> values;
   std::copy_n(matrix.data(), 9, values.begin());  // Eigen is column-major too
   return values;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/core/rotation.h"
+
 namespace roundabout::mocap_bridge::vicon {
 
 namespace {
@@ -20,20 +22,15 @@ RotationOrder rotationOrder(const std::string& name) {
 
 Eigen::Quaterniond toQuaternion(const std::array<double, 3>& rotation_rad, RotationOrder order) {
   const Eigen::Vector3d angles(rotation_rad.data());
-  const Eigen::AngleAxisd x(angles.x(), Eigen::Vector3d::UnitX());
-  const Eigen::AngleAxisd y(angles.y(), Eigen::Vector3d::UnitY());
-  const Eigen::AngleAxisd z(angles.z(), Eigen::Vector3d::UnitZ());
   switch (order) {
     case RotationOrder::kXyz:
-      return x * y * z;
+      return core::fromIntrinsicXyz(angles);
     case RotationOrder::kZyx:
-      return z * y * x;
+      return core::fromRollPitchYaw(angles);
     case RotationOrder::kVector:
       break;
   }
-  const double angle = angles.norm();
-  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, angles / angle))
-                     : Eigen::Quaterniond::Identity();
+  return core::fromRotationVector(angles);
 }
 
 ViconInterpreter::ViconInterpreter(const config::Mocap& mocap)

@@ -29,7 +29,7 @@ TEST(AxisMap, TurnsPositionsAndAttitudesAlike) {
   core::RandomStream random(1, "axes");
   for (const char* text : {"x,-z,y", "z,x,y", "-x,-y,z", "y,-x,z"}) {
     const AxisMap axes(text);
-    const Eigen::Quaterniond turn = fromRotationVector(random.normal3(1.0));
+    const Eigen::Quaterniond turn = core::fromRotationVector(random.normal3(1.0));
     const Eigen::Vector3d point = random.normal3(1.0);
     EXPECT_TRUE(axes.toWorld(turn * point).isApprox(axes.toWorld(turn) * axes.toWorld(point)));
     EXPECT_TRUE(axes.inverse().toWorld(axes.toWorld(point)).isApprox(point));

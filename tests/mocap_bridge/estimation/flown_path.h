@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 
 #include "common/core/random.h"
+#include "common/core/rotation.h"
 #include "common/core/time.h"
-#include "mocap_bridge/estimation/rotation.h"
 #include "mocap_bridge/sources/source_frame.h"
 
 namespace roundabout::test {
@@ -41,8 +41,7 @@ class FlownPath {
     truth.orientation = attitudeAt(time_s, truth.acceleration_mps2);
     constexpr double kStep_s = 1e-5;
     const Eigen::Quaterniond later = attitudeAt(time_s + kStep_s, accelerationAt(time_s + kStep_s));
-    truth.rate_body_radps =
-        mocap_bridge::toRotationVector(truth.orientation.conjugate() * later) / kStep_s;
+    truth.rate_body_radps = core::toRotationVector(truth.orientation.conjugate() * later) / kStep_s;
     return truth;
   }
 
@@ -88,7 +87,7 @@ struct Cameras {
     pose.name = name;
     pose.position_m = truth.position_m + random.normal3(position_noise_m);
     pose.orientation =
-        truth.orientation * mocap_bridge::fromRotationVector(random.normal3(orientation_noise_rad));
+        truth.orientation * core::fromRotationVector(random.normal3(orientation_noise_rad));
     pose.tracked = true;
     return pose;
   }
