@@ -66,7 +66,7 @@ NatnetInterpreter::NatnetInterpreter(const Settings& settings)
 std::vector<std::string> NatnetInterpreter::bodies() const {
   std::vector<std::string> bodies;
   for (const auto& [id, name] : names_) {
-    bodies.push_back(name.empty() ? fmt::format("id {}", id) : name);
+    bodies.push_back(config::bodyText(name, id));
   }
   return bodies;
 }
@@ -155,6 +155,9 @@ const char* NatnetInterpreter::onModels(Bytes payload, PacketFacts& facts) {
   }
   ModelDef definitions;
   const char* reason = parseModelDef(payload, *version_, definitions);
+  if (reason != nullptr && showsEverything()) {
+    reason = misfit(reason, onlyModelDefLayoutOf(payload));
+  }
   if (reason != nullptr && definitions.bodies.empty()) {
     return reason;  // names that were read before something unknown are good
   }
@@ -165,6 +168,15 @@ const char* NatnetInterpreter::onModels(Bytes payload, PacketFacts& facts) {
   }
   needs_models_ = false;
   return reason;
+}
+
+// What to do about a packet that is not of the version it was read as.
+const char* NatnetInterpreter::misfit(const char* reason, std::optional<std::string_view> fits) {
+  misfit_ = fmt::format("{}, read as NatNet {}", reason, text(*version_));
+  if (fits) {
+    misfit_ += fmt::format("; as one of NatNet {} it would be whole", *fits);
+  }
+  return misfit_.c_str();
 }
 
 const char* NatnetInterpreter::onResponse(Bytes payload, PacketFacts& facts) {
@@ -204,7 +216,7 @@ const char* NatnetInterpreter::onFrame(const Packet& packet, Bytes payload, Pack
   if (const char* reason = parseFrame(payload, *version_, frame_)) {
     broken_frames_ = std::min(broken_frames_ + 1, kManyBroken);
     bitstream_changed_ = bitstream_changed_ || broken_frames_ == kManyBroken;
-    return reason;
+    return showsEverything() ? misfit(reason, onlyFrameLayoutOf(payload)) : reason;
   }
   broken_frames_ = 0;
   bool restarted = false;

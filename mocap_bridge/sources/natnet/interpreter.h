@@ -48,6 +48,7 @@ class NatnetInterpreter final : public Interpreter {
   const char* onResponse(Bytes payload, PacketFacts& facts);
   const char* onFrame(const Packet& packet, Bytes payload, PacketSink& sink);
   std::optional<core::Utime> exposureOf(core::Utime received);
+  const char* misfit(const char* reason, std::optional<std::string_view> fits);
   void restart();
   void fillBodies();
   void fillStamps();
@@ -58,6 +59,7 @@ class NatnetInterpreter final : public Interpreter {
   std::optional<MessageId> last_message_;
   bool last_frame_ok_ = false;
   const char* last_error_ = nullptr;
+  std::string misfit_;
   int broken_frames_ = 0;  // in a row
   std::optional<double> server_rate_hz_;
   bool needs_models_ = true;

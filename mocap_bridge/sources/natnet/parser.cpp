@@ -1,7 +1,9 @@
 #include "mocap_bridge/sources/natnet/parser.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <span>
 
 namespace roundabout::mocap_bridge::natnet {
 
@@ -286,6 +288,39 @@ const char* readSizedDefinition(Cursor& cursor, std::int32_t type, Version versi
   return left_over ? "a definition is longer than it should be" : nullptr;
 }
 
+// Versions between which packets differ, by their first.
+struct Layout {
+  Version version;
+  std::string_view name;
+};
+
+constexpr std::array<Layout, 7> kFrameLayouts = {{{{2, 5}, "2.3 to 2.5"},
+                                                  {{2, 6}, "2.6"},
+                                                  {{2, 7}, "2.7 or 2.8"},
+                                                  {{2, 9}, "2.9 or 2.10"},
+                                                  {{2, 11}, "2.11"},
+                                                  {{3, 0}, "3.0 to 4.0"},
+                                                  {{4, 1}, "4.1 or 4.2"}}};
+constexpr std::array<Layout, 5> kModelDefLayouts = {{{{2, 5}, "2.0 to 2.11"},
+                                                     {{3, 0}, "3.0 or 3.1"},
+                                                     {{4, 0}, "4.0"},
+                                                     {{4, 1}, "4.1"},
+                                                     {{4, 2}, "4.2"}}};
+
+template <class Fits>
+std::optional<std::string_view> onlyOneThatFits(std::span<const Layout> layouts, Fits fits) {
+  std::optional<std::string_view> found;
+  for (const Layout& layout : layouts) {
+    if (fits(layout.version)) {
+      if (found) {
+        return std::nullopt;
+      }
+      found = layout.name;
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string text(const Version& version) {
@@ -346,6 +381,20 @@ const char* parseFrame(Bytes payload, Version version, Frame& frame) {
     return "its end tag is not 0";
   }
   return verdict(cursor, version);
+}
+
+std::optional<std::string_view> onlyFrameLayoutOf(Bytes payload) {
+  Frame frame;
+  return onlyOneThatFits(kFrameLayouts, [&](Version version) {
+    return parseFrame(payload, version, frame) == nullptr;
+  });
+}
+
+std::optional<std::string_view> onlyModelDefLayoutOf(Bytes payload) {
+  ModelDef definitions;
+  return onlyOneThatFits(kModelDefLayouts, [&](Version version) {
+    return parseModelDef(payload, version, definitions) == nullptr;
+  });
 }
 
 const char* parseModelDef(Bytes payload, Version version, ModelDef& definitions) {

@@ -22,6 +22,10 @@ std::optional<Message> parseMessage(Bytes datagram);
 const char* parseServerInfo(Bytes payload, ServerInfo& info);
 const char* parseFrame(Bytes payload, Version version, Frame& frame);
 const char* parseModelDef(Bytes payload, Version version, ModelDef& definitions);
+/// The only bit streams ("2.7 or 2.8") as which the whole payload can be read; nothing: none or
+/// several.
+std::optional<std::string_view> onlyFrameLayoutOf(Bytes payload);
+std::optional<std::string_view> onlyModelDefLayoutOf(Bytes payload);
 const char* parseEchoResponse(Bytes payload, EchoResponse& echo);
 
 /// "Bitstream,4.1.0.0", the answer to the request "Bitstream".

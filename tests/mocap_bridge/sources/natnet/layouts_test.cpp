@@ -1,10 +1,12 @@
 // Packets laid out by hand from the protocol's tables, every section filled: what our own writer,
 // which sends rigid bodies only, cannot show.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "mocap_bridge/sources/byte_writer.h"
-#include "mocap_bridge/sources/natnet/parser.h"
+#include "mocap_bridge/sources/natnet/interpreter.h"
+#include "tests/support/mocap_fixtures.h"
 
 namespace roundabout::mocap_bridge::natnet {
 namespace {
@@ -346,6 +348,40 @@ TEST_P(NatnetLayouts, DefinitionsOfEveryKindAreReadToTheLastByte) {
   EXPECT_EQ(models.bodies[0].name, "hexA");
   EXPECT_EQ(models.bodies[1].name, "hexB");
   EXPECT_EQ(models.bodies[1].id, 11);
+}
+
+// True if a range of versions such as "2.9 or 2.10" has that version.
+bool covers(std::string_view range, Version version) {
+  const auto first = parseVersion(range.substr(0, range.find(' ')));
+  const auto last = parseVersion(range.substr(range.rfind(' ') + 1));
+  return *first <= version && version <= *last;
+}
+
+TEST_P(NatnetLayouts, AreToldApartByWhatFitsToTheLastByte) {
+  const auto frame = onlyFrameLayoutOf(Layout(GetParam()).frame());
+  EXPECT_EQ(frame.has_value(), GetParam() >= Version(2, 3));
+  EXPECT_TRUE(!frame || covers(*frame, GetParam())) << frame.value_or("");
+  const auto models = onlyModelDefLayoutOf(Layout(GetParam()).models());
+  ASSERT_TRUE(models);
+  EXPECT_TRUE(covers(*models, GetParam())) << *models;
+}
+
+TEST_P(NatnetLayouts, AFrameOfAnotherVersionIsSaidToBeOfWhich) {
+  NatnetInterpreter interpreter({GetParam() < Version{3, 0} ? Version{3, 0} : Version{2, 7}});
+  interpreter.showEverything();
+  test::Collected heard;
+  Writer datagram;
+  datagram.put<std::uint16_t>(7);
+  datagram.put<std::uint16_t>(0);
+  datagram.put(Bytes(Layout(GetParam()).frame()));
+  interpreter.onPacket({1'700'000'000'000'000, 0, 0, datagram.bytes()}, heard);
+  ASSERT_EQ(heard.packets.size(), 1U);
+  const std::string& error = heard.packets[0].error;
+  EXPECT_THAT(error, testing::HasSubstr(GetParam() < Version{3, 0} ? "read as NatNet 3.0"
+                                                                   : "read as NatNet 2.7"));
+  if (GetParam() >= Version{2, 3}) {
+    EXPECT_THAT(error, testing::HasSubstr("it would be whole"));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, NatnetLayouts,
