@@ -9,9 +9,18 @@ namespace roundabout::mocap_bridge {
 
 namespace {
 
-std::string vehicleOf(const std::string& body, const StateEstimator& estimator) {
+// Not in the frames for so long: said.
+constexpr core::Utime kGone = core::kMicrosPerSecond;
+// And for so long: forgotten.
+constexpr core::Utime kForget = 10 * core::kMicrosPerSecond;
+
+std::string since(core::Utime then, core::Utime now) {
+  return then == 0 ? "never" : fmt::format("{:.1f}", 1000.0 * core::toSeconds(now - then));
+}
+
+std::string vehicleOf(std::int64_t id, const std::string& name, const StateEstimator& estimator) {
   for (const StateEstimator::Vehicle& vehicle : estimator.vehicles()) {
-    if (vehicle.body == body) {
+    if (config::matches(vehicle.key, name, id)) {
       return fmt::format("{} ({})", vehicle.name, mocap_bridge::nameOf(vehicle.last));
     }
   }
@@ -22,10 +31,14 @@ std::string vehicleOf(const std::string& body, const StateEstimator& estimator) 
 
 void BodyTable::add(const SourceFrame& frame) {
   ++frames_;
+  ++all_frames_;
   latencies_ms_.push_back(1000.0 * core::toSeconds(frame.received_utime - frame.exposure_utime));
   for (const BodyPose& body : frame.bodies) {
-    Row& row = rows_[nameOf(body)];
+    Row& row = rows_[{body.id, body.id < 0 ? body.name : ""}];
+    row.name = body.name;
     ++row.frames;
+    row.in_frame = all_frames_;
+    row.last_streamed = frame.exposure_utime;
     row.gaps += row.tracked && !body.tracked ? 1 : 0;
     row.tracked = body.tracked;
     row.residual_m = body.residual_m;
@@ -34,9 +47,31 @@ void BodyTable::add(const SourceFrame& frame) {
       row.position_m = body.position_m;
     }
   }
+  for (auto& [key, row] : rows_) {
+    if (row.in_frame != all_frames_ && row.tracked) {
+      ++row.gaps;
+      row.tracked = false;
+    }
+  }
+}
+
+std::string BodyTable::rowText(const Key& key, const Row& row, core::Utime now, double passed_s,
+                               const StateEstimator& estimator) const {
+  const std::string residual =
+      std::isfinite(row.residual_m) ? fmt::format("{:.2f}", 1000.0 * row.residual_m) : "-";
+  const std::string rate = now - row.last_streamed > kGone
+                               ? "gone"
+                               : fmt::format("{:.1f}", static_cast<double>(row.frames) / passed_s);
+  return fmt::format("{:<20} {:>8} {:>9} {:>11} {:>6}  {:<26} {}\n",
+                     config::bodyText(row.name, key.first), rate, since(row.last_tracked, now),
+                     residual, row.gaps,
+                     fmt::format("({:.3f}, {:.3f}, {:.3f})", row.position_m.x(), row.position_m.y(),
+                                 row.position_m.z()),
+                     vehicleOf(key.first, row.name, estimator));
 }
 
 std::string BodyTable::text(core::Utime now, const StateEstimator& estimator) {
+  std::erase_if(rows_, [&](const auto& row) { return now - row.second.last_streamed > kForget; });
   const double passed_s = core::toSeconds(now - last_text_);
   std::string text = fmt::format("{:.1f} frames a second", static_cast<double>(frames_) / passed_s);
   if (!latencies_ms_.empty()) {
@@ -48,22 +83,15 @@ std::string BodyTable::text(core::Utime now, const StateEstimator& estimator) {
   text += '\n';
   text += fmt::format("{:<20} {:>8} {:>9} {:>11} {:>6}  {:<26} {}\n", "body", "rate Hz", "age ms",
                       "residual mm", "gaps", "position", "vehicle");
-  for (auto& [name, row] : rows_) {
-    const std::string age =
-        row.last_tracked == 0
-            ? "never"
-            : fmt::format("{:.1f}", 1000.0 * core::toSeconds(now - row.last_tracked));
-    const std::string residual =
-        std::isfinite(row.residual_m) ? fmt::format("{:.2f}", 1000.0 * row.residual_m) : "-";
-    text += fmt::format("{:<20} {:>8.1f} {:>9} {:>11} {:>6}  {:<26} {}\n", name,
-                        static_cast<double>(row.frames) / passed_s, age, residual, row.gaps,
-                        fmt::format("({:.3f}, {:.3f}, {:.3f})", row.position_m.x(),
-                                    row.position_m.y(), row.position_m.z()),
-                        vehicleOf(name, estimator));
+  for (auto& [key, row] : rows_) {
+    text += rowText(key, row, now, passed_s, estimator);
     row.frames = 0;
   }
   for (const StateEstimator::Vehicle& vehicle : estimator.vehicles()) {
-    if (!rows_.contains(vehicle.body)) {
+    const bool streamed = std::any_of(rows_.begin(), rows_.end(), [&](const auto& row) {
+      return config::matches(vehicle.key, row.second.name, row.first.first);
+    });
+    if (!streamed) {
       text += fmt::format("{:<20} not streamed; {} waits for it\n", vehicle.body, vehicle.name);
     }
   }
