@@ -31,6 +31,7 @@ class FrameAssembler {
   }
 
   SourceFrame& frame() { return frame_; }
+  const SourceFrame& frame() const { return frame_; }
 
   /// True once a frame: it has all its bodies.
   bool complete() {

@@ -45,6 +45,10 @@ class Interpreter {
  public:
   virtual ~Interpreter() = default;
   virtual void onPacket(const Packet& packet, PacketSink& sink) = 0;
+  /// Of streams: another connection begins, of which the next packet is the first.
+  virtual void onConnection() {}
+  /// Of streams: bytes are missing before the next packet, which may begin with a message.
+  virtual void onGap() {}
   /// Names of what is streamed, as far as it has been said.
   virtual std::vector<std::string> bodies() const = 0;
   /// Of the protocol, as the system said it; empty: it did not.
@@ -136,7 +140,7 @@ class Source {
   virtual core::Utime dataTime(core::Utime now) const { return now; }
 
   std::vector<std::string> takeNotes() { return notes_.take(); }
-  /// Sees every packet as it arrives.
+  /// Sees every packet as it arrives; of a stream an empty one when a connection begins.
   void setTap(Tap tap) { tap_ = std::move(tap); }
   /// A clock to be read after each packet was taken, on the time of poll()'s `now`. A process that
   /// is held up between reading the clock and the socket would else find packets that arrived
@@ -149,10 +153,22 @@ class Source {
     return arrival_clock_ ? std::max(now, arrival_clock_()) : now;
   }
 
+  /// For sessions over a stream, whose next bytes these are.
+  void tapStream(const Packet& packet) {
+    if (tap_ && std::exchange(connection_begins_, false)) {
+      tap_({packet.received, packet.from_port, packet.to_port, {}});
+    }
+    if (tap_) {
+      tap_(packet);
+    }
+  }
+  void noteConnection() { connection_begins_ = true; }
+
   Notes notes_;
   Tap tap_;
 
  private:
+  bool connection_begins_ = false;
   std::function<core::Utime()> arrival_clock_;
 };
 

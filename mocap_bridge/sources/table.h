@@ -13,6 +13,7 @@ namespace roundabout::mocap_bridge {
 struct Protocol {
   std::string_view name;
   std::string_view usual_axes;  ///< what `axes: auto` means
+  int stream_port;              ///< of its TCP server; 0: spoken in datagrams
   std::unique_ptr<Source> (*make_session)(const config::Mocap&);
   std::unique_ptr<Interpreter> (*make_interpreter)(const config::Mocap&);
   std::unique_ptr<Emulator> (*make_emulator)(const EmulatorSettings&);

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mocap_bridge/sources/replay/packet_file.h"
+#include "mocap_bridge/sources/replay/packet_feed.h"
 #include "mocap_bridge/sources/table.h"
 
 namespace roundabout::mocap_bridge {
@@ -125,8 +125,9 @@ std::string versionAmong(const std::vector<PacketFile>& files, const Protocol& p
   const auto interpreter = protocol.make_interpreter(settings);
   Nobody nobody;
   for (const PacketFile& file : files) {
+    PacketFeed feed(protocol, settings, file);
     for (const StoredPacket& packet : file.packets) {
-      interpreter->onPacket(packet.view(), nobody);
+      feed.feed(packet, *interpreter, nobody);
       if (!interpreter->version().empty()) {
         return interpreter->version();
       }
@@ -151,9 +152,13 @@ int decode(const DecodeOptions& options) {
   JsonLines lines;
   bool damaged = false;
   for (std::size_t i = 0; i < files.size(); ++i) {
+    PacketFeed feed(protocol, settings, files[i]);
     for (const StoredPacket& packet : files[i].packets) {
       lines.startPacket(options.files[i], packet);
-      interpreter->onPacket(packet.view(), lines);
+      feed.feed(packet, *interpreter, lines);
+    }
+    if (const std::string remark = feed.remark(); !remark.empty()) {
+      std::fprintf(stderr, "%s: %s\n", options.files[i].c_str(), remark.c_str());
     }
     if (!files[i].damage.empty()) {
       std::fprintf(stderr, "%s: %s\n", options.files[i].c_str(), files[i].damage.c_str());

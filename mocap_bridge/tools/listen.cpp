@@ -108,7 +108,7 @@ int record(const ListenOptions& options) {
   bool written = true;
   source->setTap([&](const Packet& packet) {
     written = writer.write(packet) && written;
-    ++packets;
+    packets += packet.payload.empty() ? 0 : 1;
   });
   FrameSink sink;
   listenTo(*source, sink, options.seconds, [&](core::Utime) { return written; });

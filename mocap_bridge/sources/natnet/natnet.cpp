@@ -29,6 +29,8 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 
 }  // namespace
 
-Protocol natnetProtocol() { return {"natnet", "y_up", makeSession, makeInterpreter, makeEmulator}; }
+Protocol natnetProtocol() {
+  return {"natnet", "y_up", 0, makeSession, makeInterpreter, makeEmulator};
+}
 
 }  // namespace roundabout::mocap_bridge

@@ -19,7 +19,7 @@ void remember(std::vector<Item>& items, Item item) {
 
 QualisysInterpreter::QualisysInterpreter(const config::Mocap& mocap) : clock_(mocap.latency_s) {}
 
-void QualisysInterpreter::restart() {
+void QualisysInterpreter::onConnection() {
   buffer_.clear();
   broken_ = false;
   names_known_ = false;

@@ -24,6 +24,8 @@ class QualisysInterpreter final : public Interpreter {
   explicit QualisysInterpreter(const config::Mocap& mocap);
 
   void onPacket(const mocap_bridge::Packet& packet, PacketSink& sink) override;
+  void onConnection() override;
+  void onGap() override { buffer_.clear(); }
   std::vector<std::string> bodies() const override { return names_; }
 
   /// Since the last call.
@@ -35,8 +37,6 @@ class QualisysInterpreter final : public Interpreter {
   bool namesFit() const { return names_fit_; }
   /// What was said of names is old.
   void forgetNames() { names_known_ = false; }
-  /// A new connection.
-  void restart();
 
  private:
   void onMessage(const Packet& message, core::Utime received, PacketSink& sink);

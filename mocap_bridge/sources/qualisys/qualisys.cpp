@@ -204,7 +204,7 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 }  // namespace
 
 Protocol qualisysProtocol() {
-  return {"qualisys", "z_up", makeSession, makeInterpreter, makeEmulator};
+  return {"qualisys", "z_up", qualisys::kDefaultPort, makeSession, makeInterpreter, makeEmulator};
 }
 
 }  // namespace roundabout::mocap_bridge

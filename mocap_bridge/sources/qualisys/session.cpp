@@ -45,6 +45,7 @@ void QualisysSession::connect(core::Utime now) {
     return;
   }
   stream_ = std::make_unique<TcpStream>(server_);
+  noteConnection();
   if (!stream_->failure().empty()) {
     notes_.once("socket", "no socket for QTM: " + stream_->failure() + "; trying again");
   } else {
@@ -55,7 +56,7 @@ void QualisysSession::connect(core::Utime now) {
   residuals_ = true;
   stream_asked_ = false;
   state_refused_ = false;
-  interpreter_.restart();
+  interpreter_.onConnection();
 }
 
 void QualisysSession::close(const std::string& why) {
@@ -63,15 +64,13 @@ void QualisysSession::close(const std::string& why) {
     notes_.once("lost", why);
   }
   stream_.reset();
-  interpreter_.restart();
+  interpreter_.onConnection();
 }
 
 void QualisysSession::receive(core::Utime now, PacketSink& sink) {
   for (Bytes bytes = stream_->receive(); !bytes.empty(); bytes = stream_->receive()) {
     const mocap_bridge::Packet packet{arrivalTime(now), server_.port, 0, bytes};
-    if (tap_) {
-      tap_(packet);
-    }
+    tapStream(packet);
     interpreter_.onPacket(packet, sink);
     last_packet_ = now;
     notes_.over("no_server");

@@ -6,6 +6,8 @@
 #include <optional>
 #include <tuple>
 
+#include "mocap_bridge/sources/replay/tcp_streams.h"
+
 namespace roundabout::mocap_bridge {
 
 namespace {
@@ -20,6 +22,7 @@ constexpr std::uint16_t kRawIp = 101;
 constexpr std::uint16_t kLinuxCooked = 113;
 constexpr std::size_t kMostFragments = 64;  // of datagrams at a time that lack a part
 constexpr std::size_t kLargestDatagram = 65535;
+constexpr std::size_t kTcpHeader = 20;
 
 struct Interface {
   std::uint16_t link = kEthernet;
@@ -39,6 +42,7 @@ class PcapngReader {
     while (cursor.remaining() > 0 && file_.damage.empty()) {
       readBlock(cursor);
     }
+    tcp_.finish(file_);
     return std::move(file_);
   }
 
@@ -141,7 +145,7 @@ class PcapngReader {
     const std::size_t offset = 8U * (flags_and_offset & 0x1fffU);
     const bool more = (flags_and_offset & 0x2000U) != 0;
     if (offset == 0 && !more) {
-      readTransport(protocol, payload, time_s);
+      readTransport({source, destination, id, protocol}, payload, time_s);
     } else {
       addFragment({source, destination, id, protocol}, payload, offset, more, time_s);
     }
@@ -168,45 +172,62 @@ class PcapngReader {
       datagram.total = offset + payload.size();
     }
     if (datagram.total && datagram.received >= *datagram.total) {
-      readTransport(std::get<3>(key), datagram.payload, time_s);
+      readTransport(key, datagram.payload, time_s);
       fragments_.erase(key);
     }
   }
 
-  void readTransport(std::uint8_t protocol, Bytes bytes, double time_s) {
+  // The key says from whom to whom.
+  void readTransport(const FragmentKey& key, Bytes bytes, double time_s) {
     constexpr std::uint8_t kTcp = 6;
     constexpr std::uint8_t kUdp = 17;
-    BigEndianCursor cursor(bytes);
-    StoredPacket packet;
-    packet.received = core::toUtime(time_s);
-    packet.from_port = cursor.read<std::uint16_t>();
-    packet.to_port = cursor.read<std::uint16_t>();
+    const auto [source, destination, id, protocol] = key;
     if (protocol == kUdp) {
-      const std::size_t size = cursor.read<std::uint16_t>();
-      cursor.skip(2);
-      if (size < 8 || size - 8 > cursor.remaining()) {
-        return;
-      }
-      const Bytes payload = cursor.take(size - 8);
-      packet.payload.assign(payload.begin(), payload.end());
+      readUdp(bytes, core::toUtime(time_s));
     } else if (protocol == kTcp) {
-      cursor.skip(8);
-      const std::size_t header = 4U * (cursor.read<std::uint8_t>() >> 4U);
-      cursor.skip(header < 13 ? 0 : header - 13);
-      const Bytes payload = cursor.take(cursor.remaining());
-      packet.payload.assign(payload.begin(), payload.end());
-      if (payload.empty()) {
-        return;
-      }
-    } else {
-      return;
-    }
-    if (!cursor.failed()) {
-      file_.packets.push_back(std::move(packet));
+      readTcp(source, destination, bytes, core::toUtime(time_s));
     }
   }
 
+  void readUdp(Bytes bytes, core::Utime received) {
+    BigEndianCursor cursor(bytes);
+    StoredPacket packet;
+    packet.received = received;
+    packet.transport = Transport::kUdp;
+    packet.from_port = cursor.read<std::uint16_t>();
+    packet.to_port = cursor.read<std::uint16_t>();
+    const std::size_t size = cursor.read<std::uint16_t>();
+    cursor.skip(2);
+    if (cursor.failed() || size < 8 || size - 8 > cursor.remaining()) {
+      return;
+    }
+    const Bytes payload = cursor.take(size - 8);
+    packet.payload.assign(payload.begin(), payload.end());
+    file_.packets.push_back(std::move(packet));
+  }
+
+  void readTcp(std::uint32_t source, std::uint32_t destination, Bytes bytes, core::Utime received) {
+    BigEndianCursor cursor(bytes);
+    TcpSegment segment;
+    segment.from_address = source;
+    segment.to_address = destination;
+    segment.from_port = cursor.read<std::uint16_t>();
+    segment.to_port = cursor.read<std::uint16_t>();
+    segment.sequence = cursor.read<std::uint32_t>();
+    cursor.skip(4);
+    const std::size_t header = 4U * (cursor.read<std::uint8_t>() >> 4U);
+    const auto flags = cursor.read<std::uint8_t>();
+    segment.syn = (flags & 0x02U) != 0;
+    segment.ack = (flags & 0x10U) != 0;
+    if (cursor.failed() || header < kTcpHeader || header > bytes.size()) {
+      return;
+    }
+    segment.payload = bytes.subspan(header);
+    tcp_.add(segment, received, file_);
+  }
+
   PacketFile file_;
+  TcpStreams tcp_;
   std::vector<Interface> interfaces_;
   std::map<FragmentKey, Fragments> fragments_;
 };

@@ -39,7 +39,9 @@ ReplaySource::ReplaySource(const config::Mocap& mocap) : speed_(mocap.speed), fi
     }
   } else {
     packets_ = readPacketFile(mocap.file);
-    interpreter_ = protocolNamed(mocap.protocol).make_interpreter(mocap);
+    const Protocol& protocol = protocolNamed(mocap.protocol);
+    interpreter_ = protocol.make_interpreter(mocap);
+    feed_.emplace(protocol, mocap, packets_);
     core::Utime latest = 0;
     for (StoredPacket& packet : packets_.packets) {
       latest = packet.received == 0 ? latest + kInterval : std::max(latest, packet.received);
@@ -74,11 +76,11 @@ core::Utime ReplaySource::dataTime(core::Utime now) const {
 
 void ReplaySource::play(std::size_t index, PacketSink& sink) {
   if (interpreter_) {
-    const Packet packet = packets_.packets[index].view();
+    const StoredPacket& packet = packets_.packets[index];
     if (tap_) {
-      tap_(packet);
+      tap_(packet.view());
     }
-    interpreter_->onPacket(packet, sink);
+    feed_->feed(packet, *interpreter_, sink);
   } else {
     sink.onFrame(frames_[index]);
   }
@@ -92,6 +94,9 @@ void ReplaySource::poll(core::Utime now, PacketSink& sink) {
   const core::Utime due = dataTime(now);
   while (!finished() && (speed_ == 0.0 ? counting.frames == 0 : times_[next_] <= due)) {
     play(next_++, counting);
+  }
+  if (finished() && feed_ && !feed_->remark().empty()) {
+    notes_.once("remark", file_ + ": " + feed_->remark());
   }
 }
 

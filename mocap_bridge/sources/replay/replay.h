@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "mocap_bridge/sources/replay/packet_file.h"
+#include "mocap_bridge/sources/replay/packet_feed.h"
 #include "mocap_bridge/sources/source.h"
 
 namespace roundabout::mocap_bridge {
@@ -33,6 +33,7 @@ class ReplaySource final : public Source {
   std::vector<SourceFrame> frames_;  // of an event log, instead of packets
   std::vector<core::Utime> times_;   // when each was recorded
   std::unique_ptr<Interpreter> interpreter_;
+  std::optional<PacketFeed> feed_;
   std::size_t next_ = 0;
   std::optional<core::Utime> began_;
 };

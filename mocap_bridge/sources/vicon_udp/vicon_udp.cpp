@@ -68,7 +68,7 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 }  // namespace
 
 Protocol viconUdpProtocol() {
-  return {"vicon_udp", "z_up", makeSession, makeInterpreter, makeEmulator};
+  return {"vicon_udp", "z_up", 0, makeSession, makeInterpreter, makeEmulator};
 }
 
 }  // namespace roundabout::mocap_bridge

@@ -8,6 +8,9 @@ namespace {
 
 // Ids come off the wire: nobody can make us remember more.
 constexpr std::size_t kMostNames = 4096;
+// Stamps of one frame's bodies follow each other within this: some servers stamp each as they send
+// it. Cameras at 1 kHz are the fastest.
+constexpr core::Utime kTogether = 1'000;
 
 double secondsOf(std::int64_t stamp_us) { return core::toSeconds(stamp_us); }
 
@@ -25,7 +28,7 @@ std::vector<std::string> VrpnInterpreter::bodies() const {
   return names;
 }
 
-void VrpnInterpreter::restart() {
+void VrpnInterpreter::onConnection() {
   buffer_.clear();
   greeted_ = false;
   broken_ = false;
@@ -112,6 +115,17 @@ std::string VrpnInterpreter::bodyName(const Message& message, std::int32_t senso
   return sensor == 0 ? name : name + ":" + std::to_string(sensor);
 }
 
+bool VrpnInterpreter::has(const std::string& body) const {
+  return std::any_of(assembler_.frame().bodies.begin(), assembler_.frame().bodies.end(),
+                     [&](const BodyPose& other) { return other.name == body; });
+}
+
+// A body's second pose is another frame's, however soon it comes.
+bool VrpnInterpreter::joins(std::int64_t stamp_us, const std::string& body) const {
+  const std::int64_t after_us = stamp_us - last_stamp_us_;
+  return after_us == 0 || (std::abs(after_us) <= kTogether && !has(body));
+}
+
 void VrpnInterpreter::onPose(const Message& message, core::Utime received, PacketSink& sink) {
   Pose pose;
   if (const char* reason = parsePose(message.payload, pose)) {
@@ -120,7 +134,10 @@ void VrpnInterpreter::onPose(const Message& message, core::Utime received, Packe
   }
   const std::int64_t stamp_us =
       std::int64_t{message.seconds} * core::kMicrosPerSecond + message.microseconds;
-  const auto unsent = assembler_.begin(stamp_us);
+  const std::string name = bodyName(message, pose.sensor);
+  frame_stamp_us_ = joins(stamp_us, name) ? frame_stamp_us_ : stamp_us;
+  last_stamp_us_ = stamp_us;
+  const auto unsent = assembler_.begin(frame_stamp_us_);
   if (unsent && !showsEverything()) {
     emit(*unsent, sink);
   }
@@ -131,7 +148,7 @@ void VrpnInterpreter::onPose(const Message& message, core::Utime received, Packe
     frame.stamps = {{"stamp_s", secondsOf(stamp_us)}};
   }
   BodyPose body;
-  body.name = bodyName(message, pose.sensor);
+  body.name = name;
   body.position_m = Eigen::Vector3d(pose.position_m.data());
   body.orientation = Eigen::Quaterniond(pose.orientation_xyzw.data());
   body.tracked = true;
@@ -140,14 +157,12 @@ void VrpnInterpreter::onPose(const Message& message, core::Utime received, Packe
   }
   if (showsEverything()) {
     SourceFrame single = frame;
+    single.stamps = {{"stamp_s", secondsOf(stamp_us)}};
     single.bodies = {body};
     sink.onFrame(single);
     return;
   }
-  // A frame of one stamp with a body twice is two frames.
-  const bool twice = std::any_of(frame.bodies.begin(), frame.bodies.end(),
-                                 [&](const BodyPose& other) { return other.name == body.name; });
-  if (twice || frame.bodies.size() >= kMostNames) {
+  if (has(name) || frame.bodies.size() >= kMostNames) {
     ++counters_.old_frames;
     return;
   }

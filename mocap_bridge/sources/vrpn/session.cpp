@@ -22,13 +22,14 @@ void VrpnSession::connect(core::Utime now) {
     return;
   }
   stream_ = std::make_unique<TcpStream>(server_);
+  noteConnection();
   if (!stream_->failure().empty()) {
     notes_.once("socket", "no socket for VRPN: " + stream_->failure() + "; trying again");
   } else {
     notes_.over("socket");
   }
   cookie_sent_ = false;
-  interpreter_.restart();
+  interpreter_.onConnection();
 }
 
 void VrpnSession::poll(core::Utime now, PacketSink& sink) {
@@ -57,9 +58,7 @@ void VrpnSession::poll(core::Utime now, PacketSink& sink) {
 void VrpnSession::receive(core::Utime now, PacketSink& sink) {
   for (Bytes bytes = stream_->receive(); !bytes.empty(); bytes = stream_->receive()) {
     const Packet packet{arrivalTime(now), server_.port, 0, bytes};
-    if (tap_) {
-      tap_(packet);
-    }
+    tapStream(packet);
     const bool greeted = interpreter_.greeted();
     interpreter_.onPacket(packet, sink);
     if (!greeted && interpreter_.greeted()) {

@@ -107,6 +107,8 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 
 }  // namespace
 
-Protocol vrpnProtocol() { return {"vrpn", "z_up", makeSession, makeInterpreter, makeEmulator}; }
+Protocol vrpnProtocol() {
+  return {"vrpn", "z_up", vrpn::kDefaultPort, makeSession, makeInterpreter, makeEmulator};
+}
 
 }  // namespace roundabout::mocap_bridge

@@ -24,6 +24,16 @@ using test::mocapFixture;
 
 constexpr core::Utime kNow = 1'700'000'000'000'000;
 
+std::vector<vrpn::Message> messagesOf(Bytes stream) {
+  Bytes rest = stream.subspan(vrpn::kCookieBytes);
+  bool broken = false;
+  std::vector<vrpn::Message> messages;
+  while (const auto message = vrpn::takeMessage(rest, broken)) {
+    messages.push_back(*message);
+  }
+  return messages;
+}
+
 TEST(QualisysFixtures, EveryDataPacketDecodesToTheLastByte) {
   for (const char* name :
        {"data_6d", "data_6deuler", "data_6dres", "data_6deulerres", "data_6d_and_6deulerres"}) {
@@ -128,16 +138,124 @@ TEST(VrpnFixtures, TheReferenceServersWholeStream) {
 TEST(VrpnFixtures, BothPosesOfAMomentAreOneFrame) {
   const FileBytes stream = mocapFixture("vrpn_reference_server/tcp_server_to_client.bin");
   SKIP_WITHOUT(stream);
-  vrpn::VrpnInterpreter interpreter({});
-  test::Collected heard;
-  interpreter.onPacket({kNow, 0, 0, stream}, heard);
-  int whole = 0;
-  for (const SourceFrame& frame : heard.frames) {
-    whole += frame.bodies.size() == 2 ? 1 : 0;
+  // As recorded, and as if the second tracker had stamped its poses 0.1 ms later.
+  for (const std::int32_t later_us : {0, 100}) {
+    const std::vector<vrpn::Message> messages = messagesOf(stream);
+    vrpn::VrpnInterpreter interpreter({});
+    test::Collected heard;
+    interpreter.onPacket({kNow, 0, 0, Bytes(stream).first(vrpn::kCookieBytes)}, heard);
+    std::vector<std::int64_t> stamps_us;
+    std::int64_t late_us = 0;
+    for (vrpn::Message message : messages) {
+      const bool pose = message.payload.size() == 64;
+      message.microseconds += message.sender == 2 && pose ? later_us : 0;
+      const std::int64_t stamp_us =
+          std::int64_t{message.seconds} * 1'000'000 + message.microseconds;
+      if (pose && message.sender == 1) {
+        stamps_us.push_back(stamp_us);
+      }
+      const std::size_t before = heard.frames.size();
+      interpreter.onPacket({stamp_us + 1000, 0, 0, vrpn::writeMessage(message)}, heard);
+      late_us = heard.frames.size() > before && before > 0
+                    ? std::max(late_us, stamp_us - stamps_us.back())
+                    : late_us;
+    }
+    ASSERT_EQ(stamps_us.size(), 381U);
+    ASSERT_EQ(heard.frames.size(), stamps_us.size());
+    EXPECT_EQ(late_us, later_us) << "a frame goes out with its last body";
+    for (std::size_t i = 0; i < heard.frames.size(); ++i) {
+      const SourceFrame& frame = heard.frames[i];
+      ASSERT_EQ(frame.bodies.size(), 2U) << i;
+      EXPECT_EQ(frame.bodies[0].name, "veh1");
+      EXPECT_EQ(frame.bodies[1].name, "veh2:1");
+      EXPECT_NEAR(frame.bodies[0].position_m.x() + frame.bodies[1].position_m.x(), 0.0, 1e-9);
+      EXPECT_NEAR(static_cast<double>(frame.exposure_utime - heard.frames[0].exposure_utime),
+                  static_cast<double>(stamps_us[i] - stamps_us[0]), 2.0);
+    }
+    EXPECT_EQ(interpreter.counters().old_frames, 0);
   }
-  // All arrived at once here, so only the first frames have plausible exposures.
-  EXPECT_GT(heard.frames.size(), 0U);
-  EXPECT_GE(whole + 1, static_cast<int>(heard.frames.size()) / 2);
+}
+
+/// A server of VRPN with one tracker a body, as an interpreter hears it.
+class VrpnServer {
+ public:
+  VrpnServer() {
+    say(vrpn::writeCookie());
+    say(vrpn::writeDescription(vrpn::kTypeDescription, 4, vrpn::kPoseType));
+    for (std::int32_t id = 0; id < 30; ++id) {
+      say(vrpn::writeDescription(vrpn::kSenderDescription, id, "b" + std::to_string(id)));
+    }
+  }
+  void pose(std::int32_t body, std::int32_t at_us) {
+    arrival_ = kNow + at_us;
+    say(vrpn::writePose({1'700'000'000, at_us, body, 4, {}}, {0, {1.0 * body, 0.0, 1.0}, {}}));
+  }
+  /// "0 1 2|0 1 2|": bodies of each frame.
+  std::string frames() const {
+    std::string text;
+    for (const SourceFrame& frame : heard_.frames) {
+      for (const BodyPose& body : frame.bodies) {
+        text += (body.name == frame.bodies[0].name ? "" : " ") + body.name.substr(1);
+      }
+      text += "|";
+    }
+    return text;
+  }
+  const SourceCounters& counters() const { return interpreter_.counters(); }
+
+ private:
+  void say(const std::vector<std::byte>& bytes) {
+    interpreter_.onPacket({arrival_, 0, 0, bytes}, heard_);
+  }
+
+  core::Utime arrival_ = kNow;
+  vrpn::VrpnInterpreter interpreter_{config::Mocap{}};
+  test::Collected heard_;
+};
+
+TEST(Vrpn, ABodySeenAgainEndsTheFrameHoweverSoon) {
+  VrpnServer server;
+  for (std::int32_t at_us = 0; at_us < 4000; at_us += 800) {
+    server.pose(2, at_us);
+    server.pose(1, at_us + 100);
+  }
+  EXPECT_EQ(server.frames(), "2 1|2 1|2 1|2 1|2 1|") << "at 1.25 kHz, in their order";
+  server.pose(2, 4000);
+  server.pose(2, 4000);
+  server.pose(2, 3900);
+  EXPECT_EQ(server.counters().old_frames, 2) << "the very same again, and an older one";
+}
+
+TEST(Vrpn, ManyBodiesStampedOneAfterTheOtherAreOneFrame) {
+  VrpnServer server;
+  for (std::int32_t frame = 0; frame < 3; ++frame) {
+    for (std::int32_t body = 0; body < 30; ++body) {
+      server.pose(body, 5000 * frame + 100 * body);
+    }
+  }
+  std::string all = "0";
+  for (int body = 1; body < 30; ++body) {
+    all += " " + std::to_string(body);
+  }
+  EXPECT_EQ(server.frames(), all + "|" + all + "|" + all + "|");
+}
+
+TEST(Vrpn, ABodyThatFallsSilentDelaysOneFrameAndOneThatComesBackNone) {
+  VrpnServer server;
+  for (std::int32_t frame = 0; frame < 3; ++frame) {
+    server.pose(0, 5000 * frame);
+    server.pose(1, 5000 * frame + 100);
+  }
+  server.pose(0, 15'000);
+  EXPECT_EQ(server.frames(), "0 1|0 1|0 1|") << "waits for the other";
+  server.pose(0, 20'000);
+  EXPECT_EQ(server.frames(), "0 1|0 1|0 1|0|0|");
+  server.pose(0, 25'000);
+  server.pose(1, 25'100);
+  server.pose(0, 30'000);
+  server.pose(1, 30'100);
+  EXPECT_EQ(server.frames(), "0 1|0 1|0 1|0|0|0|0 1|")
+      << "it was not waited for in the last but one";
 }
 
 TEST(ViconFixtures, ThreeObjects) {
