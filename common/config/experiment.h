@@ -113,8 +113,9 @@ struct GroundRobotModel {
   OdometryModel odometry;
 };
 
-struct Dropout {
-  double probability_per_s = 0.0;  ///< rate at which a vehicle becomes hidden
+/// Something that goes wrong at random, for a while.
+struct MocapFault {
+  double probability_per_s = 0.0;  ///< rate at which it begins
   double duration_s = 0.1;         ///< mean, exponentially distributed
 };
 
@@ -125,7 +126,9 @@ struct MocapModel {
   double orientation_noise_rad = 0.002;
   double latency_s = 0.005;         ///< exposure to message
   double velocity_filter_s = 0.02;  ///< time constant of the velocity estimate from noisy positions
-  Dropout dropout;
+  MocapFault dropout;  ///< of each vehicle: not seen
+  MocapFault flip;     ///< of each vehicle: seen the wrong way round
+  MocapFault swap;     ///< of the fleet: two vehicles are taken for each other
 };
 
 struct Area {

@@ -196,9 +196,9 @@ void describe(Visitor& visit, GroundRobotModel& robot) {
 }
 
 template <class Visitor>
-void describe(Visitor& visit, Dropout& dropout) {
-  visit("probability_per_s", dropout.probability_per_s, atLeast(0.0));
-  visit("duration_s", dropout.duration_s, above(0.0));
+void describe(Visitor& visit, MocapFault& fault) {
+  visit("probability_per_s", fault.probability_per_s, atLeast(0.0));
+  visit("duration_s", fault.duration_s, above(0.0));
 }
 
 template <class Visitor>
@@ -209,6 +209,8 @@ void describe(Visitor& visit, MocapModel& mocap) {
   visit("latency_s", mocap.latency_s, between(0.0, 1.0));
   visit("velocity_filter_s", mocap.velocity_filter_s, atLeast(0.0));
   visit("dropout", mocap.dropout);
+  visit("flip", mocap.flip);
+  visit("swap", mocap.swap);
 }
 
 template <class Visitor>

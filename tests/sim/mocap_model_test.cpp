@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mocap_bridge/estimation/state_estimator.h"
+
 namespace roundabout::sim {
 namespace {
 
@@ -32,8 +34,8 @@ class MocapModelTest : public testing::Test {
   config::Experiment experiment_ = twoVehicles();
 
   /// Frames 0 to count - 1 of the motion above; latency and noise from experiment_.
-  std::vector<core::StatesFrame> expose(int count) {
-    MocapModel mocap(experiment_, kStepUs);
+  std::vector<core::StatesFrame> expose(int count, MocapOutput output = MocapOutput::kStates) {
+    MocapModel mocap(experiment_, kStepUs, output);
     std::vector<core::StatesFrame> frames;
     core::Utime now = 0;
     mocap.observe(now, truthAt(0.0));
@@ -128,6 +130,7 @@ TEST_F(MocapModelTest, SeesEverybodyWithoutDropout) {
 
 TEST_F(MocapModelTest, HidesAsOftenAndAsLongAsTheDropoutSays) {
   experiment_.sim.mocap.dropout = {0.5, 0.2};
+  experiment_.mocap.filter.coast_s = 1000.0;  // tracked with the next measurement
   int hidden_frames = 0;
   int dropouts = 0;
   bool tracked = true;
@@ -146,6 +149,7 @@ TEST_F(MocapModelTest, HidesAsOftenAndAsLongAsTheDropoutSays) {
 
 TEST_F(MocapModelTest, KeepsTheLastEstimateWhileHidden) {
   experiment_.sim.mocap.dropout = {1.0, 0.2};
+  experiment_.mocap.filter.coast_s = 0.0;
   const auto frames = expose(5000);
   int compared = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
@@ -157,6 +161,111 @@ TEST_F(MocapModelTest, KeepsTheLastEstimateWhileHidden) {
     }
   }
   EXPECT_GT(compared, 100);
+}
+
+TEST_F(MocapModelTest, PredictsWhileHiddenForAShortTime) {
+  experiment_.sim.mocap.dropout = {1.0, 0.2};
+  experiment_.sim.mocap.position_noise_m = 0.0;
+  experiment_.sim.mocap.orientation_noise_rad = 0.0;
+  const auto frames = expose(5000);
+  int predicted = 0;
+  for (std::size_t k = 200; k < frames.size(); ++k) {
+    const core::VehicleState& state = frames[k].vehicles[0];
+    ASSERT_FALSE(state.tracked && state.predicted);
+    if (state.predicted) {
+      const double time_s = static_cast<double>(k) * kStepS;
+      ASSERT_NEAR(state.position_world_m.x(), time_s, 1e-3);
+      ASSERT_NEAR(std::remainder(core::headingOf(state.orientation) - 0.5 * time_s, 6.2831853072),
+                  0.0, 1e-3);
+      ++predicted;
+    }
+  }
+  EXPECT_GT(predicted, 100);
+}
+
+struct Faults {
+  double rate_hz;
+  config::MocapFault dropout;
+  config::MocapFault flip;
+  config::MocapFault swap;
+};
+
+// What a bridge behind the same cameras says, from when it has acquired everybody. One fault at a
+// time: it cannot know a flip that begins while a vehicle is hidden.
+class AsTheBridge : public MocapModelTest, public testing::WithParamInterface<Faults> {};
+
+TEST_P(AsTheBridge, SaysWhoIsTrackedAndWhoIsPredicted) {
+  experiment_.vehicles[0].top_speed_mps = 2.0;
+  experiment_.sim.mocap.rate_hz = GetParam().rate_hz;
+  experiment_.sim.mocap.dropout = GetParam().dropout;
+  experiment_.sim.mocap.flip = GetParam().flip;
+  experiment_.sim.mocap.swap = GetParam().swap;
+  const auto count = static_cast<int>(100 * GetParam().rate_hz);
+  const auto frames = expose(count);
+  mocap_bridge::StateEstimator bridge(experiment_, "z_up");
+  int lost = 0;
+  int predicted = 0;
+  int different = 0;
+  const auto scenes = expose(count, MocapOutput::kScene);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    mocap_bridge::SourceFrame seen;
+    seen.number = scenes[k].frame_number;
+    seen.exposure_utime = scenes[k].utime + 1;
+    for (const core::VehicleState& state : scenes[k].vehicles) {
+      seen.bodies.push_back(
+          {state.name, -1, state.position_world_m, state.orientation, state.tracked, 0.0005});
+    }
+    bridge.update(seen);
+    if (scenes[k].utime < 10 * core::kMicrosPerSecond) {
+      continue;  // it has not seen everybody from the start, and they begin at one place
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      const core::VehicleState& simulated = frames[k].vehicles[i];
+      const core::VehicleState& bridged = bridge.states().vehicles[i];
+      different += simulated.tracked != bridged.tracked || simulated.predicted != bridged.predicted;
+      predicted += simulated.predicted ? 1 : 0;
+      lost += !simulated.predicted && !simulated.tracked ? 1 : 0;
+      if (simulated.tracked && bridged.tracked) {
+        ASSERT_NEAR((simulated.position_world_m - bridged.position_world_m).norm(), 0.0, 0.01);
+      }
+    }
+  }
+  EXPECT_EQ(predicted > count / 50, GetParam().rate_hz > 10.0);  // coasts for 0.1 s
+  EXPECT_GT(lost, count / 50);
+  EXPECT_EQ(different, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, AsTheBridge,
+                         testing::Values(Faults{200.0, {1.0, 0.1}, {}, {}},
+                                         Faults{100.0, {1.0, 0.1}, {}, {}},
+                                         Faults{5.0, {0.5, 0.5}, {}, {}},
+                                         Faults{200.0, {}, {1.0, 0.1}, {}},
+                                         Faults{200.0, {}, {}, {1.0, 0.1}}));
+
+TEST_F(MocapModelTest, ShowsSwapsAndFlipsToABridgeOnly) {
+  experiment_.sim.mocap.flip = {0.5, 0.1};
+  experiment_.sim.mocap.swap = {0.5, 0.1};
+  const int count = 100'000;
+  int exchanged = 0;
+  int flipped = 0;
+  for (const core::StatesFrame& frame : expose(count, MocapOutput::kScene)) {
+    const core::VehicleState& state = frame.vehicles[0];
+    const double time_s = core::toSeconds(frame.utime);
+    const bool elsewhere = std::abs(state.position_world_m.x() - time_s) > 0.01;
+    ASSERT_TRUE(state.tracked);
+    exchanged += elsewhere ? 1 : 0;
+    flipped +=
+        !elsewhere && std::abs(std::remainder(core::headingOf(state.orientation) - 0.5 * time_s,
+                                              6.2831853072)) > 1.0;
+    ASSERT_EQ(elsewhere, time_s > 0.1 && frame.vehicles[1].position_world_m.norm() > 0.05);
+  }
+  // In half a fault a second, 0.1 s each, begun only once the last is over.
+  EXPECT_NEAR(exchanged, count / 21.0, count / 100.0);
+  EXPECT_NEAR(flipped, count / 21.0, count / 100.0);
+  for (const core::StatesFrame& frame : expose(count)) {
+    ASSERT_NEAR(frame.vehicles[0].position_world_m.x(), core::toSeconds(frame.utime), 2.0);
+    ASSERT_NEAR(frame.vehicles[1].position_world_m.norm(), 0.0, 0.05);
+  }
 }
 
 TEST_F(MocapModelTest, VelocityDoesNotJumpAfterAGap) {

@@ -24,7 +24,8 @@ class MocapLab : public FlightLab {
            std::to_string(command_port_) + ", data_port: " + std::to_string(data_port_) + more +
            "}\n";
   }
-  void startEmulator(const std::string& protocol, const std::vector<std::string>& more = {}) {
+  cli::ChildProcess& startEmulator(const std::string& protocol,
+                                   const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments{"mocap",
                                        "emulate",
                                        protocol,
@@ -33,7 +34,7 @@ class MocapLab : public FlightLab {
                                        "--data-port",
                                        std::to_string(data_port_)};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    start("roundabout", arguments);
+    return start("roundabout", arguments);
   }
   // Everything of the state messages that a listener could tell two publishers apart by.
   struct Traffic {

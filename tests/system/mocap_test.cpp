@@ -22,9 +22,30 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
+constexpr std::int64_t kCoast = 100'000;
+constexpr std::int64_t kReacquire = 50'000;
+
+// Of a vehicle in two messages, one of which follows the other.
+void expectConventionsOfLoss(const roundabout_msgs::vehicle_state_t& before,
+                             const roundabout_msgs::vehicle_state_t& state, std::int64_t utime) {
+  const std::int64_t age = utime - state.last_seen;
+  EXPECT_EQ(state.last_seen == utime, state.tracked != 0);
+  EXPECT_EQ(state.predicted != 0, state.tracked == 0 && age <= kCoast) << age;
+  if (state.tracked != 0 && before.tracked == 0) {
+    const std::int64_t gap = utime - before.last_seen;
+    EXPECT_TRUE(gap <= kCoast || gap > kCoast + kReacquire) << gap;
+  }
+  if (state.tracked == 0 && state.predicted == 0 && before.predicted == 0) {
+    EXPECT_TRUE(std::equal(state.position, state.position + 3, before.position));
+    EXPECT_TRUE(std::equal(state.velocity, state.velocity + 3, before.velocity));
+  }
+}
+
 void expectHouseConventions(const std::vector<roundabout_msgs::vehicle_states_t>& messages) {
   ASSERT_GT(messages.size(), 150U);
   std::vector<std::int64_t> intervals;
+  int predicted = 0;
+  int lost = 0;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const auto& message = messages[i];
     ASSERT_EQ(message.num_vehicles, 2);
@@ -37,8 +58,13 @@ void expectHouseConventions(const std::vector<roundabout_msgs::vehicle_states_t>
         norm += part * part;
       }
       EXPECT_NEAR(norm, 1.0, 1e-9);
-      EXPECT_EQ(state.last_seen == message.utime, state.tracked != 0);
       EXPECT_FALSE(state.tracked != 0 && state.predicted != 0);
+      predicted += state.predicted != 0 ? 1 : 0;
+      lost += state.predicted == 0 && state.tracked == 0 ? 1 : 0;
+      if (i > 0 && message.frame_number == messages[i - 1].frame_number + 1) {
+        expectConventionsOfLoss(messages[i - 1].vehicles[static_cast<std::size_t>(k)], state,
+                                message.utime);
+      }
     }
     if (i > 0) {
       EXPECT_GT(message.utime, messages[i - 1].utime);
@@ -51,22 +77,31 @@ void expectHouseConventions(const std::vector<roundabout_msgs::vehicle_states_t>
                    intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2),
                    intervals.end());
   EXPECT_NEAR(static_cast<double>(intervals[intervals.size() / 2]), 5000.0, 50.0);
+  EXPECT_GT(predicted, 0);
+  EXPECT_GT(lost, 0);
 }
 
 TEST_F(MocapLab, BridgeAndSimulatorCannotBeToldApart) {
-  auto& sim = start("sim", {"--config", twoSwap("sim: {pacing: real_time}\n"), "--lcm-url", url()});
+  // Cameras that lose the vehicles more often than they see them.
+  const std::string cameras =
+      "sim: {pacing: real_time, mocap: {dropout: {probability_per_s: 8, duration_s: 0.15}}}\n";
+  auto& sim = start("sim", {"--config", twoSwap(cameras), "--lcm-url", url()});
   waitUntil("the simulator", [&] { return heard().frames > 20; });
   const Traffic simulated = listen(1.5);
   sim.signal(SIGTERM);
   finish(sim);
 
-  startEmulator("natnet", {"--bodies", "2"});
-  start("mocap_bridge", {"--config", twoSwap(labFile("natnet")), "--lcm-url", url()});
+  const std::string lab = twoSwap(labFile("natnet") + cameras);
+  start("sim", {"--scene", "--config", lab, "--lcm-url", url()});
+  startEmulator("natnet", {"--scene", "sim", "--lcm-url", url()});
+  start("mocap_bridge", {"--config", lab, "--lcm-url", url()});
   const int before = heard().frames;
   waitUntil("the bridge", [&] {
-    return heard().frames > before + 20 && heard().states.vehicles.at(1).tracked != 0;
+    return heard().frames > before + 20 && heard().states.vehicles.at(0).last_seen != 0 &&
+           heard().states.vehicles.at(1).last_seen != 0;
   });
-  const Traffic bridged = listen(1.5);
+  Traffic bridged = listen(1.5);
+  EXPECT_EQ(bridged.channels.erase(bus::kSceneChannel), 1U) << "what its cameras see";
 
   EXPECT_EQ(simulated.channels, bridged.channels);
   EXPECT_EQ(simulated.fingerprints, bridged.fingerprints);

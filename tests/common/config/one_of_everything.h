@@ -86,7 +86,7 @@ inline Experiment oneOfEverything() {
   e.sim.unicycle.max_turn_rate_radps = 2.5;
   e.sim.multirotor = {0.2, 0.3, 2.0, 20.0, 2.5, 1.0, 0.8, 0.6, 0.4, 1.5, 2.0, 0.2, 0.04};
   e.sim.ground_robot = {0.5, 1.5, 2.0, 0.1, 1.5, 3.0, 1.1, 0.6, 0.03, {40.0, 0.002, 0.003}};
-  e.sim.mocap = {100.0, 0.001, 0.004, 0.01, 0.03, {0.5, 0.2}};
+  e.sim.mocap = {100.0, 0.001, 0.004, 0.01, 0.03, {0.5, 0.2}, {0.1, 0.3}, {0.4, 0.6}};
   e.sim.command_hold_s = 0.35;
   e.sim.command_land_s = 1.5;
   e.sim.pushes = {{"hex_1", 3.0, 0.75, {1.0, -2.0}}};

@@ -36,7 +36,7 @@ TEST(ExperimentKeys, CoverEveryMemberOfEveryStruct) {
   EXPECT_EQ(keyCount<Vehicle>(), memberCount<Vehicle>());
   EXPECT_EQ(keyCount<UnicycleModel>(), memberCount<UnicycleModel>());
   EXPECT_EQ(keyCount<MultirotorModel>(), memberCount<MultirotorModel>());
-  EXPECT_EQ(keyCount<Dropout>(), memberCount<Dropout>());
+  EXPECT_EQ(keyCount<MocapFault>(), memberCount<MocapFault>());
   EXPECT_EQ(keyCount<MocapModel>(), memberCount<MocapModel>());
   EXPECT_EQ(keyCount<Area>(), memberCount<Area>());
   EXPECT_EQ(keyCount<Push>(), memberCount<Push>());
