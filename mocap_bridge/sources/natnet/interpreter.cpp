@@ -11,6 +11,9 @@ namespace {
 
 // So many frames in a row that are not what the version says are of another bit stream.
 constexpr int kManyBroken = 10;
+// Half of it is what an echo may be wrong by. A laboratory's network takes a millisecond; longer
+// ones waited in a process that stood still.
+constexpr std::uint64_t kLongestRoundTrip = 20'000;
 
 std::string dotted(const std::array<std::uint8_t, 4>& version) {
   return fmt::format("{}.{}.{}.{}", version[0], version[1], version[2], version[3]);
@@ -200,8 +203,8 @@ void NatnetInterpreter::addEcho(const EchoResponse& echo, core::Utime received) 
   const auto now = static_cast<std::uint64_t>(received);
   const std::uint64_t round_trip_us = now - echo.client_stamp;
   if (!server_ || server_->tick_frequency_hz == 0 || echo.client_stamp > now ||
-      round_trip_us > core::kMicrosPerSecond) {
-    return;  // of a question that nobody remembers
+      round_trip_us > kLongestRoundTrip) {
+    return;  // of a question that nobody remembers, or that waited for an answer
   }
   const auto round_trip = static_cast<core::Utime>(round_trip_us);
   const double remote_s =
