@@ -7,6 +7,7 @@
 
 #include "common/core/error.h"
 #include "perception/clustering/table.h"
+#include "perception/vision/jpeg_size.h"
 
 namespace roundabout::perception {
 
@@ -146,6 +147,11 @@ const char* PerceptionCore::onImage(std::size_t camera, const core::JpegImage& i
     ++rejected_.images;
     return "another size than its camera's in the experiment file";
   }
+  if (const auto size = jpegSize(image.jpeg);
+      size && *size != PictureSize{image.width, image.height}) {
+    ++rejected_.images;
+    return "its JPEG is of another size than it says";
+  }
   if (image.utime <= last_image_[camera] && last_image_[camera] - image.utime < core::kFarAhead) {
     ++rejected_.images;
     return "its time stamp is old";
@@ -201,8 +207,11 @@ void PerceptionCore::useScans() {
 
 void PerceptionCore::useScan(const core::LaserScan& scan, const PlanarPose& begin,
                              const PlanarPose& end) {
+  // After it was blind nobody is believed at first sight, as at the start.
+  if (core::toSeconds(scan.utime - last_used_scan_) > kBlindAfter_s) {
+    first_used_scan_ = scan.utime;
+  }
   last_used_scan_ = scan.utime;
-  first_used_scan_ = first_used_scan_ == 0 ? scan.utime : first_used_scan_;
   const int unusable = finder_.update(scan, begin, end, cells_.get());
   rejected_.ranges += unusable;
   many_unusable_ = unusable > kManyUnusable * static_cast<double>(scan.ranges_m.size());

@@ -103,7 +103,7 @@ class PerceptionCore {
   std::vector<core::Utime> last_image_;    // of each camera: heard
   std::vector<core::VehicleState> others_;
   core::Utime last_used_scan_ = 0;
-  core::Utime first_used_scan_ = 0;  // since it forgot the world
+  core::Utime first_used_scan_ = 0;  // since it forgot the world, or was blind
   core::Utime last_own_pose_ = 0;
   bool many_unusable_ = false;
   core::PerceptionRejections rejected_;

@@ -275,12 +275,13 @@ void FlightShield::collectNeighbours(core::Utime now, const Situation& situation
   }
 }
 
-/// Position control may bring the body up to a wall, or to something on the map: positions are in
-/// the room, and the goal was chosen there.
+/// Position control may bring the body up to a wall, or to something on the map, less the margin:
+/// positions are in the room, and the goal was chosen there.
 const shield::Statics& FlightShield::statics(CommandMode mode, const Mapped& mapped) {
   const bool at_goal = mode == CommandMode::kPosition;
   statics_.walls = at_goal ? near_walls_ : walls_;
-  statics_.mapped = at_goal ? std::span<const core::Polygon>() : mapped.pieces;
+  statics_.mapped = mapped.pieces;
+  statics_.mapped_slack_m = at_goal ? experiment_.shield.margin_m : 0.0;
   return statics_;
 }
 

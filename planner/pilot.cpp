@@ -16,9 +16,15 @@ namespace {
 constexpr double kOldestScan_s = 0.3;
 // A velocity is not flown that would come too near to the map within this time.
 constexpr double kMapLookAhead_s = 1.0;
-// Between a body and the map, beside the half cell by which the map may be wrong.
+// Between a body and the map where no shield keeps more, beside the half cell by which the map may
+// be wrong.
 constexpr double kMapMargin_m = 0.05;
+// More than the shield keeps: its half-planes must leave the way open that was found.
+constexpr double kBesideShield_m = 0.02;
 constexpr std::size_t kMostWaitingMaps = 8;
+double mapMarginOf(const config::Shield& shield) {
+  return shield.on ? std::max(kMapMargin_m, shield.margin_m + kBesideShield_m) : kMapMargin_m;
+}
 // From a vehicle's centre: nothing farther is reached within a command and braking after it.
 constexpr double kNearMap_m = 3.0;
 
@@ -32,7 +38,7 @@ Pilot::Pilot(const config::Experiment& experiment, std::size_t own_index,
                        : 0.0),
       policy_(std::move(policy)),
       obstacles_(config::placesToAvoid(experiment)),
-      way_settings_{experiment.vehicles[own_index].body_radius_m, kMapMargin_m} {
+      way_settings_{experiment.vehicles[own_index].body_radius_m, mapMarginOf(experiment.shield)} {
   others_.reserve(experiment.vehicles.size());
   if (!obstacles_.empty() && !policy_->avoidsObstacles() && !experiment.shield.on) {
     throw core::StartupError(
@@ -80,7 +86,6 @@ void Pilot::fly(core::Utime now, const Situation& situation, const core::Goal& g
   if (needsScans()) {
     around.scan = freshScan(now);
   }
-  applyMaps(now);
   status.decision = policy_->decide(headedFor(ego), around);
   const PlanarCommand planar = offMap(ego, status.decision);
   command.mode = core::CommandMode::kVelocity;
@@ -94,7 +99,10 @@ void Pilot::fly(core::Utime now, const Situation& situation, const core::Goal& g
 core::EgoAgent Pilot::headedFor(core::EgoAgent ego) {
   next_place_m_.reset();
   if (way_finder_) {
-    next_place_m_ = way_finder_->nextPlace(ego.position_world_m, ego.goal_world_m);
+    if (const auto leg = way_finder_->nextLeg(ego.position_world_m, ego.goal_world_m)) {
+      next_place_m_ = leg->place_m;
+      ego.way_left_m = leg->way_left_m;
+    }
   }
   // Without a way it sets off straight, as far as the map lets it.
   ego.goal_world_m = next_place_m_.value_or(ego.goal_world_m);
@@ -135,14 +143,17 @@ PlanarCommand Pilot::offMap(const core::EgoAgent& ego, Decision& decision) const
   return command;
 }
 
-/// Makes the decision the likeliest one that does not hit the map; nothing: it has no action table.
+/// Makes the decision the likeliest one that moves and does not hit the map; nothing: there is
+/// none, or no action table.
 std::optional<PlanarCommand> Pilot::likeliestOffMap(const core::EgoAgent& ego,
                                                     Decision& decision) const {
   std::optional<PlanarCommand> likeliest;
   float highest = -1.0F;
   const std::size_t count = std::min(decision.actions.size(), decision.action_probabilities.size());
   for (std::size_t i = 0; i < count; ++i) {
-    if (!(decision.action_probabilities[i] > highest)) {
+    // To stand, or to turn on the spot, hits nothing and leads nowhere.
+    if (!(decision.action_probabilities[i] > highest) ||
+        decision.actions[i].speed_fraction == 0.0) {
       continue;
     }
     Decision other = decision;

@@ -33,6 +33,8 @@ class Pilot {
   /// From the first tick after its utime on, the policy is sent round what the map holds, and
   /// velocities that would hit it are not flown.
   void onMap(core::Utime utime, OccupancyGrid map);
+  /// At every tick, before anything else.
+  void applyMaps(core::Utime now);
 
   /// A velocity, or position control near the goal (status.mode then becomes AT_GOAL).
   void fly(core::Utime now, const Situation& situation, const core::Goal& goal,
@@ -58,7 +60,6 @@ class Pilot {
   core::RangeScan freshScan(core::Utime now);
   /// What the policy is told: with the next place on the way as its goal.
   core::EgoAgent headedFor(core::EgoAgent ego);
-  void applyMaps(core::Utime now);
   bool hitsMap(const core::EgoAgent& ego, const Eigen::Vector2d& velocity_mps) const;
   PlanarCommand offMap(const core::EgoAgent& ego, Decision& decision) const;
   std::optional<PlanarCommand> likeliestOffMap(const core::EgoAgent& ego, Decision& decision) const;

@@ -157,6 +157,7 @@ void PlannerCore::applyGoals(core::Utime now) {
 PlannerCore::Tick PlannerCore::tick(core::Utime now) {
   applyGoals(now);
   seen_.apply(now);
+  pilot_.applyMaps(now);
   shield_.observe(now, situation());
   const Sight seen = sight(now);
   const Verdict verdict =
@@ -218,9 +219,9 @@ PlannerCore::Tick PlannerCore::report(core::Utime now, core::Utime state_utime,
   command.heading_world_rad = core::headingOf(own.state().orientation);
   fill(now, command, status);
   stopUnlessFinite(command, status);
-  FlightShield::Mapped mapped;
+  FlightShield::Mapped mapped{pilot_.mappedNear(own.positionAt(now)), std::nullopt};
   if (status.mode == Mode::kFlying) {
-    mapped = {pilot_.mappedNear(own.positionAt(now)), pilot_.nextPlace()};
+    mapped.next_place_m = pilot_.nextPlace();
   }
   shield_.guard(now, situation(), mapped, command, status);
   stopUnlessFinite(command, status);

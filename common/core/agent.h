@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct EgoAgent {
   Eigen::Vector2d goal_world_m = Eigen::Vector2d::Zero();
   double preferred_speed_mps = 1.0;
   double radius_m = 0.5;
+  /// Of the way to where it goes in the end, if goal_world_m is but a place on it; NaN: it is not.
+  double way_left_m = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What the ego agent knows of another one (paper: the observable state s^o). World frame.

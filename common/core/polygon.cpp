@@ -81,6 +81,29 @@ bool isConvex(const Polygon& polygon) {
   return true;
 }
 
+// Andrew's monotone chain (1979): the lower side from left to right, then the upper one back.
+Polygon convexHull(std::vector<Vector2d> points) {
+  const auto leftToRight = [](const Vector2d& a, const Vector2d& b) {
+    return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y());
+  };
+  std::sort(points.begin(), points.end(), leftToRight);
+  Polygon hull;
+  const auto addSide = [&hull](auto begin, auto end) {
+    const std::size_t first = hull.size();
+    for (auto point = begin; point != end; ++point) {
+      while (hull.size() >= first + 2 &&
+             side(hull[hull.size() - 2], hull[hull.size() - 1], *point) <= 0.0) {
+        hull.pop_back();
+      }
+      hull.push_back(*point);
+    }
+    hull.pop_back();  // the other side begins there
+  };
+  addSide(points.begin(), points.end());
+  addSide(points.rbegin(), points.rend());
+  return hull;
+}
+
 bool contains(const Polygon& polygon, const Vector2d& place_m) {
   bool inside = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {

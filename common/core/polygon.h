@@ -14,6 +14,10 @@ bool isSimple(const Polygon& polygon);
 /// polygons do.
 bool isConvex(const Polygon& polygon);
 
+/// The smallest convex polygon that holds all points: counter-clockwise, without points on its
+/// sides. At least three that are not in a line.
+Polygon convexHull(std::vector<Eigen::Vector2d> points);
+
 /// Whether a place lies inside a simple polygon. Either is said of its outline.
 bool contains(const Polygon& polygon, const Eigen::Vector2d& place_m);
 

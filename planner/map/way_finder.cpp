@@ -7,6 +7,8 @@
 #include <numbers>
 #include <queue>
 
+#include "common/core/polygon.h"
+
 namespace roundabout::planner {
 
 namespace {
@@ -18,6 +20,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kDirection_rad = std::numbers::pi / 12.0;
 constexpr int kDirections = 6;  // to each side: up to a right angle
 constexpr std::size_t kSectors = 12;
+constexpr std::size_t kRaysPerSector = 10;
 
 struct Step {
   int column;
@@ -67,23 +70,26 @@ bool WayFinder::freeBetween(const Eigen::Vector2d& from_m, const Eigen::Vector2d
   return true;
 }
 
-std::optional<Eigen::Vector2d> WayFinder::nextPlace(const Eigen::Vector2d& from_m,
-                                                    const Eigen::Vector2d& goal_m) const {
+std::optional<WayFinder::Leg> WayFinder::nextLeg(const Eigen::Vector2d& from_m,
+                                                 const Eigen::Vector2d& goal_m) const {
   if (freeBetween(from_m, goal_m)) {
-    return goal_m;
+    return Leg{goal_m, (goal_m - from_m).norm()};
   }
   const std::vector<Eigen::Vector2d> places = way(from_m, goal_m);
   if (places.empty()) {
     return std::nullopt;
   }
-  Eigen::Vector2d farthest_m = places[std::min<std::size_t>(1, places.size() - 1)];
+  Leg leg{places[std::min<std::size_t>(1, places.size() - 1)], (places.front() - from_m).norm()};
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    leg.way_left_m += (places[i] - places[i - 1]).norm();
+  }
   for (const Eigen::Vector2d& place_m : places) {
     if (!freeBetween(from_m, place_m)) {
       break;
     }
-    farthest_m = place_m;
+    leg.place_m = place_m;
   }
-  return farthest_m;
+  return leg;
 }
 
 /// Of a cell's length; infinite: not to be entered.
@@ -174,11 +180,11 @@ Eigen::Vector2d WayFinder::maskedVelocity(const Eigen::Vector2d& from_m,
 void WayFinder::nearestCells(const Eigen::Vector2d& place_m, double reach_m,
                              std::vector<core::Polygon>& cells) const {
   struct Nearest {
-    double distance_m;
+    double distance_m2;
     OccupancyGrid::Cell cell;
   };
-  std::array<Nearest, kSectors> nearest;
-  nearest.fill({reach_m, {}});
+  std::array<Nearest, kSectors * kRaysPerSector> nearest;
+  nearest.fill({reach_m * reach_m, {}});
   const OccupancyGrid::Cell low = grid_.cellAt(place_m - Eigen::Vector2d::Constant(reach_m));
   const OccupancyGrid::Cell high = grid_.cellAt(place_m + Eigen::Vector2d::Constant(reach_m));
   for (int row = std::max(low.row, 0); row <= std::min(high.row, grid_.rows() - 1); ++row) {
@@ -189,21 +195,30 @@ void WayFinder::nearestCells(const Eigen::Vector2d& place_m, double reach_m,
       }
       const Eigen::Vector2d way = grid_.centreOf({column, row}) - place_m;
       const double turns = std::atan2(way.y(), way.x()) / (2.0 * std::numbers::pi) + 0.5;
-      Nearest& of_sector =
-          nearest[std::min(static_cast<std::size_t>(turns * kSectors), kSectors - 1)];
-      if (way.norm() < of_sector.distance_m) {
-        of_sector = {way.norm(), {column, row}};
+      const auto ray = static_cast<std::size_t>(turns * static_cast<double>(nearest.size()));
+      Nearest& of_ray = nearest[std::min(ray, nearest.size() - 1)];
+      if (way.squaredNorm() < of_ray.distance_m2) {
+        of_ray = {way.squaredNorm(), {column, row}};
       }
     }
   }
   cells.clear();
   const double half_m = grid_.resolution() / 2.0;
-  for (const Nearest& each : nearest) {
-    if (each.distance_m < reach_m) {
-      const Eigen::Vector2d centre = grid_.centreOf(each.cell);
-      cells.push_back(
-          {centre + Eigen::Vector2d(-half_m, -half_m), centre + Eigen::Vector2d(half_m, -half_m),
-           centre + Eigen::Vector2d(half_m, half_m), centre + Eigen::Vector2d(-half_m, half_m)});
+  for (std::size_t sector = 0; sector < kSectors; ++sector) {
+    core::Polygon corners;
+    for (std::size_t ray = 0; ray < kRaysPerSector; ++ray) {
+      const Nearest& each = nearest[sector * kRaysPerSector + ray];
+      if (each.distance_m2 < reach_m * reach_m) {
+        const Eigen::Vector2d centre = grid_.centreOf(each.cell);
+        for (const double x : {-half_m, half_m}) {
+          for (const double y : {-half_m, half_m}) {
+            corners.push_back(centre + Eigen::Vector2d(x, y));
+          }
+        }
+      }
+    }
+    if (!corners.empty()) {
+      cells.push_back(core::convexHull(std::move(corners)));
     }
   }
 }

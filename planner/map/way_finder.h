@@ -23,10 +23,14 @@ class WayFinder {
   /// go where it does not come nearer still.
   bool freeBetween(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const;
 
-  /// Where to go first: the goal itself if the way there is free, else the farthest place on the
-  /// shortest way (A*) that can be reached in a straight line. Nothing if there is no way.
-  std::optional<Eigen::Vector2d> nextPlace(const Eigen::Vector2d& from_m,
-                                           const Eigen::Vector2d& goal_m) const;
+  struct Leg {
+    Eigen::Vector2d place_m;  ///< where to go first
+    double way_left_m;        ///< of the whole way, from here
+  };
+
+  /// To the goal itself if the way there is free, else to the farthest place on the shortest way
+  /// (A*) that can be reached in a straight line. Nothing if there is no way.
+  std::optional<Leg> nextLeg(const Eigen::Vector2d& from_m, const Eigen::Vector2d& goal_m) const;
 
   /// The shortest way over cells, from, to; empty: there is none. Keeps in the middle of gaps where
   /// that costs little.
@@ -38,7 +42,9 @@ class WayFinder {
   Eigen::Vector2d maskedVelocity(const Eigen::Vector2d& from_m, const Eigen::Vector2d& velocity_mps,
                                  double look_ahead_s) const;
 
-  /// Of each of twelve directions the nearest occupied cell, as a square, if one is within reach.
+  /// What stands within reach, as one convex polygon for each of twelve directions: the hull of the
+  /// occupied cells that are nearest in each three degrees of it. A straight line that has them and
+  /// the place on its two sides has every occupied cell within reach beyond it.
   void nearestCells(const Eigen::Vector2d& place_m, double reach_m,
                     std::vector<core::Polygon>& cells) const;
 

@@ -79,10 +79,10 @@ void BrakeConstraints::build(const Ego& ego, std::span<const Neighbour> neighbou
     addWall(wall);
   }
   for (const core::Polygon& obstacle : statics.obstacles) {
-    addObstacle(obstacle);
+    addObstacle(obstacle, 0.0);
   }
   for (const core::Polygon& piece : statics.mapped) {
-    addObstacle(piece);
+    addObstacle(piece, statics.mapped_slack_m);
   }
 }
 
@@ -188,8 +188,8 @@ void BrakeConstraints::addWall(const Wall& wall) {
   }
 }
 
-void BrakeConstraints::addObstacle(const core::Polygon& obstacle) {
-  const double apart_m = ego_->radius_m + parameters_.margin_m;
+void BrakeConstraints::addObstacle(const core::Polygon& obstacle, double slack_m) {
+  const double apart_m = ego_->radius_m + parameters_.margin_m - slack_m;
   const bool convex = core::isConvex(obstacle);
   const std::size_t parts = convex ? 1 : obstacle.size();
   for (std::size_t i = 0; i < parts; ++i) {

@@ -57,7 +57,7 @@ class BrakeConstraints {
   void forecast(const Neighbour& neighbour);
   std::size_t takeOwnPaths();
   std::size_t addNeighbour(const Neighbour& neighbour, std::size_t first);
-  void addObstacle(const core::Polygon& obstacle);
+  void addObstacle(const core::Polygon& obstacle, double slack_m);
   void addWall(const Wall& wall);
   void addBeside(const PointSet& points, double apart_m, double share);
   void add(const Eigen::Vector2d& normal, double usable_m, double share);

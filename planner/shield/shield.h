@@ -56,6 +56,7 @@ struct Statics {
   /// Near pieces of what only a map knows. The hard layer keeps off them as off obstacles; the way
   /// round them is the business of whoever says where the goal is.
   std::span<const core::Polygon> mapped{};
+  double mapped_slack_m = 0.0;  ///< they may come nearer than the margin by this
 };
 
 using Layer = core::ShieldLayer;

@@ -114,7 +114,7 @@ void wayRoundAWall(benchmark::State& state) {
   grid.occupy({Eigen::Vector2d(0.0, -5.5), Eigen::Vector2d(0.05, 3.0)});
   const planner::WayFinder finder({}, grid);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(finder.nextPlace({-4, -4}, {4, -4}));
+    benchmark::DoNotOptimize(finder.nextLeg({-4, -4}, {4, -4}));
     benchmark::DoNotOptimize(finder.maskedVelocity({-0.6, 0}, {1.2, 0}, 1.0));
   }
 }

@@ -149,8 +149,17 @@ TEST_F(PerceptionNodeTest, SaysThatItIsBlindWithoutScans) {
   EXPECT_EQ(heard_.back().health, kBlind);
   EXPECT_EQ(heard_.back().num_tracks, 0);
   EXPECT_EQ(heard_.back().reason, "no usable laser scan for 0.3 s");
+  // Its tracks are gone, and nobody is believed at first sight.
+  const std::size_t before = heard_.size();
   run(1.0);
   EXPECT_EQ(heard_.back().health, kGood);
+  const auto beginning = std::count_if(
+      heard_.begin() + static_cast<std::ptrdiff_t>(before), heard_.end(),
+      [](const auto& message) { return message.reason == "it has only begun to look"; });
+  EXPECT_GE(beginning, 12) << "0.3 s of scans at 40 Hz";
+  EXPECT_TRUE(std::is_partitioned(heard_.begin() + static_cast<std::ptrdiff_t>(before),
+                                  heard_.end(),
+                                  [](const auto& message) { return message.health == kBlind; }));
 }
 
 TEST_F(PerceptionNodeTest, SaysThatItIsBlindWithoutPoses) {

@@ -6,6 +6,7 @@
 
 #include "perception/perception_core.h"
 #include "perception/vision/box_fusion.h"
+#include "perception/vision/jpeg_size.h"
 #include "sim/sensors/camera.h"
 #include "sim/sensors/jpeg.h"
 #include "sim/sensors/lidar.h"
@@ -35,6 +36,46 @@ TEST(Projection, IsAPinholes) {
   left.heading_rad = 1.0;
   EXPECT_NEAR(project(left, {{0.0, 0.0}, 0.5}, {3.0 * std::cos(1.5), 3.0 * std::sin(1.5)}).column,
               160.0, 1e-9);
+}
+
+std::vector<std::uint8_t> greyJpeg(int width, int height) {
+  return sim::encodeJpeg(
+      std::vector<std::uint8_t>(static_cast<std::size_t>(3 * width * height), 128), width, height,
+      60'000);
+}
+
+TEST(JpegSize, IsWhatTheHeaderSaysHoweverMuchOfItIsThere) {
+  const std::vector<std::uint8_t> jpeg = greyJpeg(200, 96);
+  EXPECT_EQ(jpegSize(jpeg), (PictureSize{200, 96}));
+  bool known = false;
+  for (std::size_t length = 0; length <= jpeg.size(); ++length) {
+    const auto size = jpegSize(std::span(jpeg).first(length));
+    EXPECT_TRUE(!size || *size == (PictureSize{200, 96})) << length;
+    EXPECT_TRUE(size || !known) << length;
+    known = size.has_value();
+  }
+  EXPECT_TRUE(known);
+  const std::vector<std::uint8_t> no_frame{0xFF, 0xD8, 0xFF, 0xFF, 0xFF, 0xDA, 0, 2};
+  EXPECT_FALSE(jpegSize(no_frame));
+  const std::vector<std::uint8_t> endless{0xFF, 0xD8, 0xFF, 0xE0, 0, 0, 0xFF, 0xE0};
+  EXPECT_FALSE(jpegSize(endless));
+}
+
+TEST(JpegSize, OfAnotherPictureThanTheMessageSaysIsRefusedBeforeItIsDecoded) {
+  config::Experiment experiment;
+  config::Vehicle rover;
+  rover.name = "rover";
+  rover.lidar = config::Lidar();
+  rover.cameras = {config::Camera()};
+  experiment.vehicles = {rover};
+  PerceptionCore core(experiment, "rover", nullptr);
+  const config::Camera& camera = rover.cameras[0];
+  EXPECT_EQ(core.onImage(
+                0, {1'000'000, camera.width, camera.height, greyJpeg(camera.width, camera.height)}),
+            nullptr);
+  EXPECT_STREQ(
+      core.onImage(0, {2'000'000, camera.width, camera.height, greyJpeg(2 * camera.width, 48)}),
+      "its JPEG is of another size than it says");
 }
 
 TEST(BoxFusion, VotesForWhoStandsNearestInTheBox) {

@@ -137,6 +137,38 @@ core::OccupancyMap longWall() {
   return test::mapOf(cells);
 }
 
+// Cells of 0.1 m, the wall's first from 1.5 m on.
+constexpr double kFace_m = 1.5;
+
+// Somebody comes along from behind, and does not look where it goes.
+TEST(MapFlight, AtItsGoalNothingDrivesItIntoTheWall) {
+  config::Experiment experiment = threeVehicles();
+  experiment.vehicles[1].shielded = false;
+  FakeFlight flight(experiment);
+  flight.own().position_world_m.x() = kFace_m - 0.35 - 0.05;
+  flight.flyTo({flight.own().position_world_m.x(), 0.0, 1.0});
+  core::VehicleState& comes = flight.vehicles[1];
+  comes.position_world_m = {-2.0, 0.3, 1.0};
+  comes.velocity_world_mps = {0.8, 0.0, 0.0};
+  bool moved = false;
+  for (int i = 0; i < 40; ++i) {
+    core::OccupancyMap map = longWall();
+    map.utime = flight.now;
+    ASSERT_EQ(flight.core.onMap(map), nullptr);
+    const PlannerCore::Tick tick = flight.run(0.1);
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    if (tick.command.mode == core::CommandMode::kVelocity) {
+      velocity = tick.command.velocity_world_mps;
+      moved = moved || (tick.status.mode == Mode::kAtGoal && velocity.norm() > 0.1);
+    }
+    flight.own().velocity_world_mps = velocity;
+    flight.own().position_world_m += 0.1 * velocity;
+    comes.position_world_m.x() += 0.08;
+    ASSERT_LT(flight.own().position_world_m.x(), kFace_m - 0.35 + 0.01) << "after " << i;
+  }
+  EXPECT_TRUE(moved) << "or this shows nothing";
+}
+
 TEST(MapFlight, NoLayerOfTheShieldFliesIntoTheWall) {
   FakeFlight flight;  // somebody is parked behind it
   flight.flyTo({4.0, 0.0, 1.0});
@@ -152,7 +184,9 @@ TEST(MapFlight, NoLayerOfTheShieldFliesIntoTheWall) {
     const Eigen::Vector2d velocity = tick.command.velocity_world_mps.head<2>();
     flight.own().velocity_world_mps = tick.command.velocity_world_mps;
     flight.own().position_world_m.head<2>() += 0.1 * velocity;
-    ASSERT_LT(flight.own().position_world_m.x(), 1.5 - 0.35) << "after " << i << " ticks";
+    // Ideal motion: the body keeps the shield's margin to the face of the wall.
+    ASSERT_LT(flight.own().position_world_m.x(), kFace_m - 0.35 - 0.1 + 0.01)
+        << "after " << i << " ticks";
   }
   EXPECT_TRUE(layers.contains(core::ShieldLayer::kBreaker)) << "or this shows nothing";
 }

@@ -10,6 +10,9 @@ namespace roundabout::planner {
 
 namespace {
 
+// A way that is this much longer from one decision to the next is another one.
+constexpr double kAnotherWay_m = 0.5;
+
 /// The next number of a sequence (SplitMix64, Steele et al. 2014).
 std::uint64_t next(std::uint64_t& state) {
   state += 0x9e3779b97f4a7c15ULL;
@@ -38,16 +41,21 @@ bool standsStill(const DiscreteAction& action) {
 
 int StallBreaker::choose(const core::EgoAgent& ego, std::span<const float> probabilities,
                          int best_action) {
-  const double distance_m = (ego.goal_world_m - ego.position_world_m).norm();
+  const double distance_m = std::isnan(ego.way_left_m)
+                                ? (ego.goal_world_m - ego.position_world_m).norm()
+                                : ego.way_left_m;
   if (!watch_) {
-    watch_.emplace(Watch{ego.goal_world_m, distance_m, 0, seedOf(ego)});
+    watch_.emplace(Watch{ego.goal_world_m, distance_m, distance_m, 0, seedOf(ego)});
     return best_action;
   }
-  if (watch_->goal_world_m != ego.goal_world_m) {
-    // Another place on the way: to be sent here and there is no progress.
-    watch_->goal_world_m = ego.goal_world_m;
+  // Another goal, or a longer way than was known: counts from here. To be sent here and there is no
+  // progress.
+  const bool elsewhere = std::isnan(ego.way_left_m) && watch_->goal_world_m != ego.goal_world_m;
+  if (elsewhere || distance_m > watch_->last_m + kAnotherWay_m) {
     watch_->nearest_m = distance_m;
   }
+  watch_->goal_world_m = ego.goal_world_m;
+  watch_->last_m = distance_m;
   if (distance_m < watch_->nearest_m - settings_.progress_m) {
     watch_->nearest_m = distance_m;
     watch_->decisions_since = 0;

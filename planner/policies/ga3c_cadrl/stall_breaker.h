@@ -20,7 +20,7 @@ class StallBreaker {
  public:
   explicit StallBreaker(const StallSettings& settings) : settings_(settings) {}
 
-  /// For a new mission. A goal that changes without it is another place on the way.
+  /// For a new mission.
   void reset() { watch_.reset(); }
 
   /// best_action, or another one. Once for each decision.
@@ -29,7 +29,8 @@ class StallBreaker {
  private:
   struct Watch {
     Eigen::Vector2d goal_world_m;
-    double nearest_m;
+    double nearest_m;  // by the way that is left, or the distance
+    double last_m;
     int decisions_since = 0;
     std::uint64_t chance;  // state of a generator that allocates nothing
   };

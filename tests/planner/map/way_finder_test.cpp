@@ -38,7 +38,10 @@ double nearest(const OccupancyGrid& grid, const Vector2d& place_m) {
 
 TEST(WayFinder, GoesStraightWhereNothingStands) {
   const WayFinder finder({}, emptyRoom());
-  EXPECT_EQ(finder.nextPlace({-3, 0}, {3, 1}), Vector2d(3, 1));
+  const auto leg = finder.nextLeg({-3, 0}, {3, 1});
+  ASSERT_TRUE(leg);
+  EXPECT_EQ(leg->place_m, Vector2d(3, 1));
+  EXPECT_NEAR(leg->way_left_m, std::hypot(6.0, 1.0), 1e-12);
   EXPECT_TRUE(finder.freeBetween({-30, 0}, {30, 1}));
 }
 
@@ -48,10 +51,13 @@ TEST(WayFinder, LeadsThroughTheGapWithoutTouching) {
   Vector2d place(-3.0, -2.0);
   const Vector2d goal(3.0, -2.0);
   double length_m = 0.0;
+  double left_m = 15.0;
   while ((place - goal).norm() > 0.05 && length_m < 30.0) {
-    const auto next = finder.nextPlace(place, goal);
+    const auto next = finder.nextLeg(place, goal);
     ASSERT_TRUE(next);
-    const Vector2d step = 0.05 * (*next - place).normalized();
+    EXPECT_LT(next->way_left_m, left_m + 0.15) << "grows shorter, but for the cells' size";
+    left_m = next->way_left_m;
+    const Vector2d step = 0.05 * (next->place_m - place).normalized();
     place += step;
     length_m += step.norm();
     ASSERT_GT(nearest(grid, place), 0.3) << place.transpose();
@@ -63,8 +69,8 @@ TEST(WayFinder, LeadsThroughTheGapWithoutTouching) {
 
 TEST(WayFinder, SaysThatThereIsNoWay) {
   const WayFinder finder({.body_radius_m = 0.3}, roomWithGap(0.5));
-  EXPECT_FALSE(finder.nextPlace({-3, 0}, {3, 0}));
-  EXPECT_FALSE(finder.nextPlace({-3, 0}, {0.0, 0.0}));
+  EXPECT_FALSE(finder.nextLeg({-3, 0}, {3, 0}));
+  EXPECT_FALSE(finder.nextLeg({-3, 0}, {0.0, 0.0}));
 }
 
 TEST(WayFinder, FindsAWayExactlyWhereThereIsOne) {
@@ -125,7 +131,7 @@ TEST(WayFinder, LetsWhoIsTooNearGoAway) {
   const WayFinder finder({.body_radius_m = 0.3, .margin_m = 0.1}, roomWithGap(1.2));
   EXPECT_TRUE(finder.freeBetween({-0.25, 0.0}, {-1.0, 0.0}));
   EXPECT_FALSE(finder.freeBetween({-0.25, 0.0}, {0.5, 0.0}));
-  EXPECT_TRUE(finder.nextPlace({-0.25, 0.0}, {-3.0, 1.0}));
+  EXPECT_TRUE(finder.nextLeg({-0.25, 0.0}, {-3.0, 1.0}));
 }
 
 TEST(WayFinder, NamesTheNearestCellOfEachDirection) {
@@ -148,6 +154,44 @@ TEST(WayFinder, NamesTheNearestCellOfEachDirection) {
   EXPECT_TRUE(centres[1].isApprox(Vector2d(1.05, 0.05), 1e-9));
   finder.nearestCells({-50.0, 0.0}, 2.0, cells);
   EXPECT_TRUE(cells.empty());
+}
+
+// A map of poles and walls, at random.
+OccupancyGrid randomMap(core::RandomStream& random) {
+  OccupancyGrid grid({Vector2d(-3, -3), Vector2d(3, 3)}, 0.05);
+  for (int i = 0; i < 12; ++i) {
+    const Vector2d corner(random.uniform(-3, 2.5), random.uniform(-3, 2.5));
+    const double long_m = random.uniform(0, 2.0);
+    const bool across = i % 2 == 0;
+    grid.occupy({corner, corner + Vector2d(across ? long_m : 0.05, across ? 0.05 : long_m)});
+  }
+  return grid;
+}
+
+TEST(WayFinder, WhoKeepsOffTheNearestKeepsOffTheRest) {
+  core::RandomStream random(3, "maps");
+  for (int i = 0; i < 40; ++i) {
+    const OccupancyGrid grid = randomMap(random);
+    const Vector2d place(random.uniform(-1, 1), random.uniform(-1, 1));
+    if (nearest(grid, place) < 0.35) {
+      continue;
+    }
+    std::vector<core::Polygon> pieces;
+    WayFinder({.body_radius_m = 0.3}, grid).nearestCells(place, 3.0, pieces);
+    // Half-planes as the shield's, for a body on the spot: of each piece at its nearest point.
+    const auto allows = [&](const Vector2d& there, double apart_m) {
+      return std::all_of(pieces.begin(), pieces.end(), [&](const core::Polygon& piece) {
+        const Vector2d way = core::nearestOnOutline(piece, place) - place;
+        return way.normalized().dot(there - place) <= way.norm() - apart_m;
+      });
+    };
+    for (int k = 0; k < 500; ++k) {
+      const Vector2d there = place + Vector2d(random.uniform(-1.2, 1.2), random.uniform(-1.2, 1.2));
+      if (allows(there, 0.3)) {
+        EXPECT_GT(nearest(grid, there), 0.3 - 0.05) << i << ": " << there.transpose();
+      }
+    }
+  }
 }
 
 TEST(OccupancyGrid, KnowsTheDistanceToTheNearestOccupiedCell) {

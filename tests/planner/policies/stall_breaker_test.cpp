@@ -74,6 +74,28 @@ TEST_F(Stalled, IsNoProgressToBeSentElsewhere) {
   EXPECT_EQ(drawn, 20);
 }
 
+TEST_F(Stalled, GetsOnAlongAWayWhosePlacesChange) {
+  ego_.way_left_m = 12.0;
+  for (int i = 0; i < 200; ++i) {
+    ego_.way_left_m -= 0.05;
+    ego_.position_world_m.y() += 0.05;
+    ego_.goal_world_m = {1.0, 0.05 * i};  // as far away as ever
+    ASSERT_EQ(choose(), kStop) << i;
+  }
+}
+
+TEST_F(Stalled, GivesALongerWayThatItFindsAChance) {
+  ego_.way_left_m = 2.0;
+  choose(30);
+  ego_.way_left_m = 9.0;  // the first was a dead end
+  int drawn = 0;
+  for (int i = 0; i < 60; ++i) {
+    ego_.way_left_m -= 0.05;
+    drawn += choose() == kStop ? 0 : 1;
+  }
+  EXPECT_EQ(drawn, 0);
+}
+
 TEST_F(Stalled, DrawsTheSameAgainFromTheSamePlaceAndOthersFromAnother) {
   const std::vector<int> first = choose(200);
   breaker_.reset();
