@@ -96,20 +96,22 @@ void BridgeNode::noteTracks(const SourceFrame& frame) {
   for (std::size_t i = 0; i < estimator_.vehicles().size(); ++i) {
     const StateEstimator::Vehicle& vehicle = estimator_.vehicles()[i];
     const core::Utime last_seen = estimator_.states().vehicles[i].last_seen;
-    const std::string kind = "lost " + vehicle.name;
+    const std::string lost = "lost " + vehicle.name;
+    const std::string stuck = "stuck " + vehicle.name;
     if (vehicle.last == Verdict::kAccepted) {
-      notes_.over(kind, vehicle.name + " is believed again");
+      const std::string again = vehicle.name + " is believed again";
+      notes_.over(lost, notes_.over(stuck, again) ? std::string() : again);
     } else if (const auto fault = vehicle.tracker.stuckWith(frame.exposure_utime)) {
       notes_.once(
-          kind, *fault == Verdict::kFlip
-                    ? fmt::format("{}: body {} has been seen the wrong way round for a second and "
-                                  "is not believed. Are its markers too symmetric?",
-                                  vehicle.name, vehicle.body)
-                    : fmt::format("{}: body {} has been seen at another vehicle's place for a "
-                                  "second and is not believed. Have two bodies been exchanged?",
-                                  vehicle.name, vehicle.body));
+          stuck, *fault == Verdict::kFlip
+                     ? fmt::format("{}: body {} has been seen the wrong way round for a second and "
+                                   "is not believed. Are its markers too symmetric?",
+                                   vehicle.name, vehicle.body)
+                     : fmt::format("{}: body {} has been seen at another vehicle's place for a "
+                                   "second and is not believed. Have two bodies been exchanged?",
+                                   vehicle.name, vehicle.body));
     } else if (last_seen != 0 && frame.exposure_utime - last_seen > kLostForLong) {
-      notes_.once(kind, fmt::format("{}: nothing of body {} could be used for more than a second; "
+      notes_.once(lost, fmt::format("{}: nothing of body {} could be used for more than a second; "
                                     "now it is {}",
                                     vehicle.name, vehicle.body, nameOf(vehicle.last)));
     }

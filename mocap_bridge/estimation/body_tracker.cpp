@@ -97,6 +97,9 @@ Verdict BodyTracker::check(const MeasuredPose& pose) {
 Verdict BodyTracker::note(core::Utime utime, Verdict verdict) {
   ++counts_[static_cast<std::size_t>(verdict)];
   in_last_frame_ = verdict == Verdict::kAccepted;
+  if (last_frame_ != 0 && utime > last_frame_) {
+    intervals_ = {intervals_[1], utime - last_frame_};
+  }
   last_frame_ = utime;
   return verdict;
 }
@@ -109,7 +112,9 @@ Verdict BodyTracker::update(core::Utime utime, const MeasuredPose& measured, boo
 
 bool BodyTracker::goesOn(const Track& track, core::Utime utime, core::Utime longest_gap) const {
   const core::Utime gap = utime - track.last;
-  return gap <= longest_gap || (track.last == last_frame_ && gap <= kSlowestInterval);
+  const core::Utime interval = std::min(intervals_[0], intervals_[1]);
+  const core::Utime next_frame = std::min(kSlowestInterval, interval + interval / 2);
+  return gap <= longest_gap || (track.last == last_frame_ && gap <= next_frame);
 }
 
 Verdict BodyTracker::judge(core::Utime utime, const MeasuredPose& measured, bool others_place) {

@@ -49,8 +49,9 @@ const char* nameOf(Verdict verdict);
 
 /// One vehicle's poses to its state. Never throws, allocates nothing.
 ///
-/// Gaps are counted in seconds, but for cameras so slow that one frame to the next is longer: to
-/// them, a track of the last frame goes on (from 4 Hz).
+/// Gaps are counted in seconds, but for cameras so slow that one frame to the next is longer: by
+/// the shorter of the last two intervals, a track of the last frame goes on (from 4 Hz). Frames
+/// that the network keeps back do not make a camera slow.
 ///
 /// A measurement that the filters expect is taken. Any other begins a candidate: a track of its
 /// own, which replaces the believed one once it has lasted for reacquire_us, if its first pose
@@ -80,6 +81,8 @@ class BodyTracker {
   std::int64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
 
  private:
+  static constexpr core::Utime kUnknown = core::kMicrosPerSecond;
+
   struct Track {
     PositionFilter position;
     AttitudeFilter attitude;
@@ -121,6 +124,7 @@ class BodyTracker {
   int repeats_ = 0;
   bool in_last_frame_ = false;
   core::Utime last_frame_ = 0;
+  std::array<core::Utime, 2> intervals_{kUnknown, kUnknown};  // between the last three frames
   std::array<std::int64_t, kVerdicts> counts_{};
 };
 

@@ -105,12 +105,15 @@ class Notes {
       pending_.push_back(text);
     }
   }
-  /// That kind may be said again; `text`, if there is one, says that it is over.
-  void over(const std::string& kind, const std::string& text = {}) {
+  /// That kind may be said again; `text`, if there is one, says that it is over. Whether it was
+  /// said.
+  bool over(const std::string& kind, const std::string& text = {}) {
     const auto found = said_.find(kind);
-    if (found != said_.end() && std::exchange(found->second, false) && !text.empty()) {
+    const bool was_said = found != said_.end() && std::exchange(found->second, false);
+    if (was_said && !text.empty()) {
       pending_.push_back(text);
     }
+    return was_said;
   }
   void say(const std::string& text) { pending_.push_back(text); }
   std::vector<std::string> take() { return std::exchange(pending_, {}); }

@@ -35,6 +35,8 @@ class QualisysInterpreter final : public Interpreter {
   bool namesKnown() const { return names_known_; }
   /// There are as many names as bodies in the last data.
   bool namesFit() const { return names_fit_; }
+  /// QTM does not say what it streams: nobody may fly by what may be played back.
+  void stateUnknown() { from_file_ = true; }
   /// What was said of names is old.
   void forgetNames() { names_known_ = false; }
 

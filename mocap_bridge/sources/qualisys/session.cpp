@@ -139,6 +139,12 @@ void QualisysSession::onError(const std::string& error) {
 void QualisysSession::askOn(const QualisysInterpreter::Heard& heard, core::Utime now) {
   const bool enough = !heard.errors.empty() || now - phase_since_ >= kAnswerLimit;
   if (phase_ == Phase::kState && (enough || !heard.events.empty())) {
+    if (heard.events.empty()) {
+      interpreter_.stateUnknown();
+      notes_.once("state",
+                  "QTM does not say whether it measures or plays a file back: its frames count as "
+                  "played back until it does (mocap.accept_recorded: true uses them)");
+    }
     enter(Phase::kNames, now);
     askForNames();
   } else if (phase_ == Phase::kNames && (enough || interpreter_.namesKnown())) {
@@ -155,9 +161,14 @@ void QualisysSession::askWhatIsDue(core::Utime now) {
   }
   if (names && names_.due(now)) {
     askForNames();
-  } else if (no_data >= core::kMicrosPerSecond && !state_refused_ && state_.due(now)) {
-    stream_asked_ = false;
-    command("GetState");
+  } else if (no_data >= core::kMicrosPerSecond && state_.due(now)) {
+    // An answer says that the connection is alive.
+    if (state_refused_) {
+      askForNames();
+    } else {
+      stream_asked_ = false;
+      command("GetState");
+    }
   } else if (no_data >= kSilence && restream_.due(now)) {
     stream();
   }
@@ -177,6 +188,9 @@ void QualisysSession::answer(const QualisysInterpreter::Heard& heard, core::Utim
                (event == Event::kCaptureStarted || event == Event::kRtFromFileStarted)) {
       stream();
     }
+  }
+  if (!heard.events.empty()) {
+    notes_.over("state", "QTM says what it streams");
   }
   if (heard.data) {
     last_data_ = now;

@@ -354,6 +354,36 @@ TEST(StateEstimator, SlowCamerasAreAcquiredAndKept) {
   }
 }
 
+// The network keeps back 0.2 s of frames, in which the system exchanges two small vehicles.
+TEST(StateEstimator, WhoIsExchangedWhileTheNetworkIsSilentIsNotBelieved) {
+  config::Experiment experiment = experimentWith(2);
+  for (config::Vehicle& vehicle : experiment.vehicles) {
+    vehicle.body_radius_m = 0.08;
+  }
+  StateEstimator estimator(experiment, "z_up");
+  test::Cameras cameras;
+  const FlownPath::Truth truth = FlownPath().at(0.0);
+  const auto see = [&](int frame_number, bool exchanged) {
+    SourceFrame frame;
+    frame.exposure_utime = kEpoch + frame_number * 5000;
+    frame.bodies = {cameras.see(truth, "hex1"), cameras.see(truth, "hex2")};
+    frame.bodies[1].position_m.x() += 0.2;
+    if (exchanged) {
+      std::swap(frame.bodies[0].name, frame.bodies[1].name);
+    }
+    estimator.update(frame);
+  };
+  for (int i = 0; i < 200; ++i) {
+    see(i, false);
+  }
+  ASSERT_TRUE(estimator.states().vehicles[0].tracked && estimator.states().vehicles[1].tracked);
+  for (int i = 240; i < 500; ++i) {
+    see(i, true);
+    EXPECT_FALSE(estimator.states().vehicles[0].tracked) << i;
+    EXPECT_FALSE(estimator.states().vehicles[1].tracked) << i;
+  }
+}
+
 // Two bodies that stand still, the second of which is uncovered a second later.
 bool secondIsAcquired(double body_radius_m, const Eigen::Vector3d& beside_m) {
   config::Experiment experiment = experimentWith(2);

@@ -38,7 +38,11 @@ class QualisysSessionTest : public testing::Test {
     if (command.starts_with("Version")) {
       stream_->send(writeText(PacketType::kCommand, "Version set to " + command.substr(8)));
     } else if (command == "GetState") {
-      event(state_);
+      if (refuses_state_) {
+        stream_->send(writeText(PacketType::kError, "Parse error"));
+      } else {
+        event(state_);
+      }
     } else if (command.starts_with("GetParameters")) {
       if (refuses_names_) {
         stream_->send(writeText(PacketType::kError, "no 6D settings"));
@@ -107,6 +111,7 @@ class QualisysSessionTest : public testing::Test {
   bool dead_ = false;  // neither reads nor says anything, as behind a cable that was pulled
   bool refuses_residuals_ = false;
   bool refuses_names_ = false;
+  bool refuses_state_ = false;
   Event state_ = Event::kCaptureStarted;
   Data sent_;
   core::Utime now_ = 1'700'000'000'000'000;
@@ -146,6 +151,24 @@ TEST_F(QualisysSessionTest, WhatIsPlayedBackAlreadyWhenTheBridgeConnectsIsNotLiv
   event(Event::kCaptureStarted);  // the event of the end was missed
   run(0.1);
   EXPECT_FALSE(lastIsRecorded());
+}
+
+TEST_F(QualisysSessionTest, WhatMayBePlayedBackIsNotLive) {
+  refuses_state_ = true;
+  run(1.0);
+  ASSERT_FALSE(heard_.frames.empty());
+  EXPECT_TRUE(lastIsRecorded());
+  EXPECT_THAT(notes_, Contains(HasSubstr("does not say whether it measures")));
+  event(Event::kCaptureStarted);
+  run(0.1);
+  EXPECT_FALSE(lastIsRecorded());
+}
+
+TEST_F(QualisysSessionTest, AQtmThatRefusesToSayItsStateIsKept) {
+  refuses_state_ = true;
+  live_ = false;
+  run(8.0);
+  EXPECT_EQ(connections_, 1);
 }
 
 TEST_F(QualisysSessionTest, OnlyARefusedStreamIsStreamedWithoutResiduals) {
