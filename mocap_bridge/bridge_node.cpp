@@ -98,7 +98,16 @@ void BridgeNode::noteTracks(const SourceFrame& frame) {
     const core::Utime last_seen = estimator_.states().vehicles[i].last_seen;
     const std::string lost = "lost " + vehicle.name;
     const std::string stuck = "stuck " + vehicle.name;
-    if (vehicle.last == Verdict::kAccepted) {
+    if (vehicle.rival) {
+      const StateEstimator::Vehicle& rival = estimator_.vehicles()[*vehicle.rival];
+      if (*vehicle.rival > i) {
+        notes_.once("shared " + vehicle.name,
+                    fmt::format("{} and {} are mapped to one body ({} and {} are the same): "
+                                "neither is believed (mocap.bodies)",
+                                vehicle.name, rival.name, vehicle.body, rival.body));
+      }
+    } else if (vehicle.last == Verdict::kAccepted) {
+      notes_.over("shared " + vehicle.name);
       const std::string again = vehicle.name + " is believed again";
       notes_.over(lost, notes_.over(stuck, again) ? std::string() : again);
     } else if (const auto fault = vehicle.tracker.stuckWith(frame.exposure_utime)) {
@@ -133,7 +142,7 @@ void BridgeNode::noteSetUp(const SourceFrame& frame) {
       notes_.say(fmt::format(
           "{}: the system streams no body {} (mocap.bodies); it streams {}", vehicle.name,
           vehicle.body, streamed.empty() ? "none" : fmt::format("{}", fmt::join(streamed, ", "))));
-    } else {
+    } else if (!vehicle.rival) {
       notePose(i);
     }
   }

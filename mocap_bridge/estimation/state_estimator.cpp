@@ -50,11 +50,13 @@ StateEstimator::StateEstimator(const config::Experiment& experiment, const std::
     }
     radii_m_.push_back(vehicle.body_radius_m);
     settings_.push_back(settingsOf(experiment.mocap.filter, vehicle));
-    vehicles_.push_back({vehicle.name, key, text(key), false, BodyTracker(settings_.back())});
+    vehicles_.push_back(
+        {vehicle.name, key, text(key), false, std::nullopt, BodyTracker(settings_.back())});
     mappings_.push_back(std::move(mapping));
     states_.vehicles.emplace_back().name = vehicle.name;
   }
   places_.resize(vehicles_.size());
+  bodies_.resize(vehicles_.size());
   poses_.resize(vehicles_.size());
 }
 
@@ -105,6 +107,23 @@ bool StateEstimator::isSeenAt(std::size_t vehicle, double within_m) const {
          (poses_[vehicle]->position_m - *places_[vehicle]).norm() < within_m;
 }
 
+// A body by its name for one vehicle and by its id for another: only frames show that it is one.
+void StateEstimator::refuseShared() {
+  for (Vehicle& vehicle : vehicles_) {
+    vehicle.rival.reset();
+  }
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (bodies_[i] != nullptr && bodies_[i] == bodies_[j]) {
+        vehicles_[i].rival = j;
+        vehicles_[j].rival = i;
+        poses_[i].reset();
+        poses_[j].reset();
+      }
+    }
+  }
+}
+
 void StateEstimator::forget() {
   ++counters_.epochs;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
@@ -131,9 +150,11 @@ bool StateEstimator::update(const SourceFrame& frame) {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     places_[i] = vehicles_[i].tracker.placeAt(utime);
     const BodyPose* body = find(mappings_[i], frame);
+    bodies_[i] = body;
     vehicles_[i].streamed = body != nullptr;
     poses_[i] = body == nullptr ? std::nullopt : std::optional(measured(mappings_[i], *body));
   }
+  refuseShared();
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     Vehicle& vehicle = vehicles_[i];
     if (const std::optional<MeasuredPose>& pose = poses_[i]) {

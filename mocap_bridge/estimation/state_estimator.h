@@ -24,6 +24,8 @@ class StateEstimator {
     config::BodyKey key;    ///< of the body that it is
     std::string body;       ///< the same for people: "Hex_1" or "id 4"
     bool streamed = false;  ///< the body was in the last frame
+    /// Another vehicle that is mapped to the same body, so that neither is believed.
+    std::optional<std::size_t> rival = std::nullopt;
     BodyTracker tracker;
     Verdict last = Verdict::kAbsent;
   };
@@ -61,6 +63,7 @@ class StateEstimator {
   bool isOthersPlace(std::size_t vehicle, const Eigen::Vector3d& position_m,
                      core::Utime utime) const;
   bool isSeenAt(std::size_t vehicle, double within_m) const;
+  void refuseShared();
   void forget();
   void fill(core::Utime utime);
 
@@ -72,6 +75,7 @@ class StateEstimator {
   std::vector<Vehicle> vehicles_;
   std::vector<double> radii_m_;
   std::vector<std::optional<Eigen::Vector3d>> places_;  // believed, before the frame
+  std::vector<const BodyPose*> bodies_;                 // in the frame, while it is handled
   std::vector<std::optional<MeasuredPose>> poses_;      // in the frame
   core::StatesFrame states_;
   Counters counters_;

@@ -182,10 +182,14 @@ class PcapngReader {
     constexpr std::uint8_t kTcp = 6;
     constexpr std::uint8_t kUdp = 17;
     const auto [source, destination, id, protocol] = key;
+    // No clock shows more, and such a stamp says nothing.
+    constexpr double kLargest_s = 1e11;
+    const core::Utime received =
+        time_s >= 0.0 && time_s <= kLargest_s ? core::toUtime(time_s) : core::Utime{0};
     if (protocol == kUdp) {
-      readUdp(bytes, core::toUtime(time_s));
+      readUdp(bytes, received);
     } else if (protocol == kTcp) {
-      readTcp(source, destination, bytes, core::toUtime(time_s));
+      readTcp(source, destination, bytes, received);
     }
   }
 

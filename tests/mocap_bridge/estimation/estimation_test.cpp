@@ -409,6 +409,32 @@ TEST(StateEstimator, VehiclesCloseToEachOtherAreAcquired) {
   EXPECT_TRUE(secondIsAcquired(0.35, {0.0, 0.0, 0.15})) << "one on the other";
 }
 
+TEST(StateEstimator, OneBodyIsNotTwoVehicles) {
+  config::Experiment experiment = experimentWith(3);
+  experiment.mocap.bodies = {{"hex2", "", 17, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+  StateEstimator estimator(experiment, "z_up");
+  test::Cameras cameras;
+  const FlownPath path;
+  for (int i = 0; i < 200; ++i) {
+    SourceFrame frame;
+    frame.exposure_utime = kEpoch + i * 5000;
+    frame.bodies = {cameras.see(path.at(0.005 * i), "hex1"),
+                    cameras.see(path.at(0.005 * i), "hex3")};
+    frame.bodies[0].id = i < 100 ? 17 : 16;
+    frame.bodies[1].position_m.y() += 2.0;
+    estimator.update(frame);
+    if (i < 100) {
+      EXPECT_FALSE(estimator.states().vehicles[0].tracked);
+      EXPECT_FALSE(estimator.states().vehicles[1].tracked);
+      EXPECT_EQ(estimator.vehicles()[0].rival, 1U);
+      EXPECT_EQ(estimator.vehicles()[1].rival, 0U);
+      EXPECT_EQ(estimator.vehicles()[2].rival, std::nullopt);
+    }
+  }
+  EXPECT_TRUE(estimator.states().vehicles[0].tracked) << "the other's body has gone";
+  EXPECT_TRUE(estimator.states().vehicles[2].tracked);
+}
+
 TEST(StateEstimator, BodiesByNameByIdAndWithAnOffset) {
   config::Experiment experiment = experimentWith(2);
   experiment.mocap.bodies = {{"hex1", "Drone A", -1, {0.0, 0.0, -0.1}, {0.0, 0.0, 0.5}},

@@ -196,7 +196,7 @@ class VrpnCapture : public testing::Test {
     const auto padded = static_cast<std::uint32_t>((frame.size() + 3) / 4 * 4);
     block.put<std::uint32_t>(32 + padded);
     block.put<std::uint32_t>(0);
-    block.put(static_cast<std::uint32_t>(arrival >> 32));
+    block.put(stamps_high_.value_or(static_cast<std::uint32_t>(arrival >> 32)));
     block.put(static_cast<std::uint32_t>(arrival));
     block.put(static_cast<std::uint32_t>(frame.size()));
     block.put(static_cast<std::uint32_t>(frame.size()));
@@ -205,6 +205,8 @@ class VrpnCapture : public testing::Test {
     block.put<std::uint32_t>(32 + padded);
     capture_ = capture_ + block.bytes();
   }
+  // The next packets bear a stamp that no clock shows.
+  void breakTheClock() { stamps_high_ = 0xffff'ffffU; }
   void connect(const Connection& connection) {
     for (const TcpSegment& segment : connection.handshake()) {
       add(segment);
@@ -244,6 +246,7 @@ class VrpnCapture : public testing::Test {
 
  private:
   int poses_ = 0;
+  std::optional<std::uint32_t> stamps_high_;
   Buffer capture_;
 };
 
@@ -301,6 +304,29 @@ TEST_F(VrpnCapture, AGapCostsWhatWasInItAndIsSaid) {
   EXPECT_GE(all.frames.size(), 20U);
   EXPECT_NEAR(all.frames.back().bodies.at(0).position_m.x(), 0.6, 0.011);
   EXPECT_THAT(notes_, testing::HasSubstr("1 gap(s) in the stream"));
+}
+
+TEST_F(VrpnCapture, StampsThatNoClockShowsSayNothing) {
+  const Connection connection;
+  connect(connection);
+  const Buffer hello = greeting(4, "hex1");
+  add(connection.said(0, hello));
+  auto place = static_cast<std::uint32_t>(hello.size());
+  for (int i = 0; i < 100; ++i) {
+    if (i == 60) {
+      breakTheClock();
+    }
+    const Buffer bytes = pose(4);
+    add(connection.said(place, bytes));
+    place += static_cast<std::uint32_t>(bytes.size());
+  }
+  const test::Collected all = replay();
+  EXPECT_EQ(counters_.malformed, 0);
+  ASSERT_GE(all.frames.size(), 50U);
+  EXPECT_NEAR(all.frames.back().bodies.at(0).position_m.x(), 1.0, 0.011);
+  for (const SourceFrame& frame : all.frames) {
+    EXPECT_LT(std::abs(frame.exposure_utime - kBegin), 2 * core::kMicrosPerSecond);
+  }
 }
 
 TEST_F(VrpnCapture, OtherServersOfTheCaptureAreLeftOut) {
