@@ -9,9 +9,8 @@ namespace {
 
 constexpr double kLargestSkew = 500e-6;
 constexpr double kSlew = 1e-3;  // s of correction in a second
-constexpr double kStep_s = 0.02;
 // Two crystals do not come apart so far: the other clock was set, or its machine restarted.
-constexpr double kOtherEpoch_s = 0.25;
+constexpr double kStep_s = 0.02;
 constexpr core::Utime kLateForGood = core::kMicrosPerSecond;
 constexpr core::Utime kLateGap = kLateForGood / 4;
 constexpr int kEnoughForSkew = 4;
@@ -40,11 +39,17 @@ void ClockMap::add(double remote_s, core::Utime local, std::optional<double> bad
   const double late_s = offset_s - anchor_offset_s_ - skew_ * (remote - anchor_remote_s_);
   last_local_ = local;
   if (ready() && !badness_s && late_s > kStep_s) {
+    earlies_ = 0;
     addLate(remote_s, local, late_s);
     return;
   }
   late_.reset();
-  if (samples_ > 0 && (badness_s ? std::abs(late_s) : -late_s) > kOtherEpoch_s) {
+  if (ready() && !badness_s && late_s < -kStep_s) {
+    addEarly(remote_s, local);
+    return;
+  }
+  earlies_ = 0;
+  if (samples_ > 0 && badness_s && std::abs(late_s) > kStep_s + 0.5 * *badness_s) {
     reset();
     add(remote_s, local, badness_s);
     return;
@@ -72,6 +77,17 @@ void ClockMap::addLate(double remote_s, core::Utime local, double late_s) {
     reset();
     addArrival(row.remote_s, row.local);
     addArrival(remote_s, local);
+  }
+}
+
+void ClockMap::addEarly(double remote_s, core::Utime local) {
+  early_[earlies_++] = {remote_s, local};
+  if (earlies_ == early_.size()) {
+    const auto row = early_;
+    reset();
+    for (const auto& [stamp_s, arrival] : row) {
+      addArrival(stamp_s, arrival);
+    }
   }
 }
 

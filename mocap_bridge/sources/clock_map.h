@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "common/core/time.h"
 
@@ -10,10 +11,11 @@ namespace roundabout::mocap_bridge {
 /// Maps another machine's clock to the local one, from pairs of readings that are late by a delay
 /// of unknown size. In every second the reading with the smallest delay counts; a line through
 /// those of the last 16 s gives offset and skew (at most 500 ppm). The map moves by at most 1 ms a
-/// second, so that intervals between mapped stamps stay those of the other clock; an offset that is
-/// wrong by more than 20 ms is corrected at once. Arrivals that are later than that were held up:
-/// nothing is learned from them, unless all of a second are, for then the other clock stood still
-/// or was set back.
+/// second, so that intervals between mapped stamps stay those of the other clock, unless it is
+/// wrong by more than 20 ms. Arrivals that are later than that were held up: nothing is learned
+/// from them, unless all of a second are, for then the other clock stood still or was set back.
+/// Three in a row that are earlier, or an echo that is off by more than its round trip explains:
+/// the other clock was set, and everything is learned anew.
 class ClockMap {
  public:
   /// Readings of one moment: the other clock when it answered, the local one at the middle between
@@ -52,6 +54,7 @@ class ClockMap {
   };
 
   void addLate(double remote_s, core::Utime local, double late_s);
+  void addEarly(double remote_s, core::Utime local);
   void add(double remote_s, core::Utime local, std::optional<double> badness_s);
   void fit(double remote_s);
 
@@ -59,6 +62,8 @@ class ClockMap {
   core::Utime origin_local_ = 0;
   core::Utime last_local_ = 0;
   std::optional<LateRow> late_;
+  std::array<std::pair<double, core::Utime>, kEnough> early_{};  // stamps and arrivals, in a row
+  std::size_t earlies_ = 0;
   std::array<Bucket, kBuckets> buckets_;
   int samples_ = 0;
   double anchor_remote_s_ = 0.0;

@@ -27,8 +27,10 @@ class ExposureClock {
   }
 
   /// Nothing if the stamps cannot be true: later than the arrival, or more than a second before it,
-  /// as those of a backlog that was not read in time. Nothing either for 0.2 s after a reset, since
-  /// what arrives then may be a backlog. Without any stamp: arrival minus latency.
+  /// as those of a backlog that was not read in time. Where only arrivals are known, one may be
+  /// 20 ms faster than those before: then it left when it arrived. Nothing either for 0.2 s after a
+  /// reset or until echoes are known, since what arrives then may be a backlog. Without any stamp:
+  /// arrival minus latency.
   std::optional<core::Utime> exposureOf(const Stamps& stamps, core::Utime received);
 
   /// The other clock is another one from now on.
@@ -40,7 +42,7 @@ class ExposureClock {
 
  private:
   static bool possible(double stamp_s);
-  core::Utime mapped(const Stamps& stamps, core::Utime received) const;
+  std::optional<core::Utime> mapped(const Stamps& stamps, core::Utime received) const;
 
   core::Utime latency_;
   ClockMap echo_;

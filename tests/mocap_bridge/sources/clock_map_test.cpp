@@ -63,6 +63,33 @@ TEST(ClockMap, AClockThatWasSetIsFollowed) {
   EXPECT_EQ(map.toLocal(32.0), kEpoch + 25 * core::kMicrosPerSecond);
 }
 
+TEST(ClockMap, AClockThatWasSetByATenthOfASecondIsFollowedToo) {
+  for (const double set_s : {0.1, -0.1}) {
+    ClockMap map;
+    const auto echo = [&](int i, double remote_s) {
+      map.addEcho(remote_s, kEpoch + i * 250'000, 0.001);
+    };
+    for (int i = 0; i < 80; ++i) {
+      echo(i, 100.0 + 0.25 * i);
+    }
+    for (int i = 80; i < 83; ++i) {
+      echo(i, 100.0 + 0.25 * i + set_s);
+    }
+    ASSERT_TRUE(map.ready());
+    EXPECT_NEAR(static_cast<double>(map.toLocal(120.75 + set_s)), kEpoch + 83 * 250'000, 1.0);
+  }
+}
+
+TEST(ClockMap, AnEchoThatWaitedSetsNoClock) {
+  ClockMap map;
+  for (int i = 0; i < 80; ++i) {
+    map.addEcho(100.0 + 0.25 * i, kEpoch + i * 250'000, 0.001);
+  }
+  map.addEcho(120.05, kEpoch + 80 * 250'000, 0.1);  // all of the trip was the way there
+  EXPECT_TRUE(map.ready());
+  EXPECT_NEAR(static_cast<double>(map.toLocal(120.25)), kEpoch + 81 * 250'000, 5000.0);
+}
+
 TEST(ExposureClock, RefusesExposuresInTheFuture) {
   ExposureClock clock(0.005);
   for (int i = 0; i < 10; ++i) {
@@ -86,7 +113,7 @@ class StalledClock : public testing::Test {
   }
   void live(int first, int count) {
     for (int i = first; i < first + count; ++i) {
-      receive(i, kEpoch + i * 5000 + 300);
+      receive(i, kEpoch + i * 5000 + 300 + (jitter_ ? i % 7 * 1000 : 0));
       if (echoes_ && i % 50 == 0) {
         clock_.addEcho(remoteAt(kEpoch + i * 5000), kEpoch + i * 5000, 0.0004);
       }
@@ -101,6 +128,7 @@ class StalledClock : public testing::Test {
 
   ExposureClock clock_{0.005};
   bool echoes_ = false;
+  bool jitter_ = false;  // most arrive up to 6 ms later
   core::Utime set_back_ = 0;
   int published_ = 0;
   core::Utime worst_us_ = 0;
@@ -139,6 +167,37 @@ TEST_F(StalledClock, AClockThatWasSetBackIsFollowed) {
   live(4400, 200);
   EXPECT_EQ(published_, 200);
   EXPECT_LT(worst_us_, 5000) << "also of the frames between";
+}
+
+TEST_F(StalledClock, AClockThatWasSetForwardIsLearnedAnewFromTheNextThree) {
+  jitter_ = true;
+  for (const core::Utime forward : {30'000, 200'000}) {
+    clock_ = ExposureClock(0.005);
+    set_back_ = 0;
+    live(0, 4000);
+    set_back_ = -forward;
+    published_ = 0;
+    live(4000, 10);
+    EXPECT_EQ(published_, 8) << "two come before it is known: those are refused";
+    live(4010, 800);
+    EXPECT_EQ(published_, 808);
+    worst_us_ = 0;
+    live(4810, 400);
+    EXPECT_LT(worst_us_, 1500) << forward << ": the jitter of arrivals does not show";
+  }
+}
+
+TEST_F(StalledClock, OneStampFromTheFutureIsRefusedAndTeachesNothing) {
+  live(0, 4000);
+  published_ = 0;
+  set_back_ = -200'000;
+  live(4000, 1);
+  EXPECT_EQ(published_, 0);
+  set_back_ = 0;
+  worst_us_ = 0;
+  live(4001, 400);
+  EXPECT_EQ(published_, 400);
+  EXPECT_LT(worst_us_, 1000);
 }
 
 TEST_F(StalledClock, NumbersThatPausedGiveStaleStampsForASecondOnly) {
