@@ -24,6 +24,7 @@ void QualisysInterpreter::onConnection() {
   broken_ = false;
   names_known_ = false;
   from_file_ = false;
+  state_unknown_ = false;
   heard_ = {};
   clock_.reset();
 }
@@ -101,6 +102,7 @@ void QualisysInterpreter::onEvent(Event event) {
   } else if (event == Event::kRtFromFileStopped || event == Event::kCaptureStarted) {
     from_file_ = false;
   }
+  state_unknown_ = state_unknown_ && !isState(event);
   remember(heard_.events, event);
 }
 
@@ -131,7 +133,7 @@ const char* QualisysInterpreter::onData(Bytes payload, core::Utime received, Pac
   out_.number = showsEverything() ? data_.frame : ++number_;
   out_.exposure_utime = exposure.value_or(received);
   out_.received_utime = received;
-  out_.recorded = from_file_;
+  out_.recorded = from_file_ || state_unknown_;
   out_.stamps = {{"timestamp_us", 0.0, data_.timestamp_us, true}};
   out_.bodies.resize(data_.bodies.size());
   names_fit_ = !names_known_ || names_.size() == data_.bodies.size();

@@ -35,8 +35,8 @@ class QualisysInterpreter final : public Interpreter {
   bool namesKnown() const { return names_known_; }
   /// There are as many names as bodies in the last data.
   bool namesFit() const { return names_fit_; }
-  /// QTM does not say what it streams: nobody may fly by what may be played back.
-  void stateUnknown() { from_file_ = true; }
+  /// QTM does not say what it streams: until it does, nobody may fly by what may be played back.
+  void stateUnknown() { state_unknown_ = true; }
   /// What was said of names is old.
   void forgetNames() { names_known_ = false; }
 
@@ -51,6 +51,7 @@ class QualisysInterpreter final : public Interpreter {
   bool names_known_ = false;
   bool names_fit_ = true;
   bool from_file_ = false;
+  bool state_unknown_ = false;
   std::vector<std::string> names_;
   Heard heard_;
   Data data_;

@@ -40,11 +40,17 @@ enum class Component : std::uint32_t {
 };
 
 enum class Event : std::uint8_t {
+  kConnected = 1,
   kCaptureStarted = 3,
   kRtFromFileStarted = 8,
   kRtFromFileStopped = 9,
+  kWaitingForTrigger = 10,
   kCameraSettingsChanged = 11
 };
+/// True of what answers GetState: all others happen beside it.
+inline bool isState(Event event) {
+  return event >= Event::kConnected && event <= Event::kWaitingForTrigger;
+}
 
 struct Packet {
   PacketType type = PacketType::kError;

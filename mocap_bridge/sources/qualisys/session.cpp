@@ -138,8 +138,9 @@ void QualisysSession::onError(const std::string& error) {
 // After the version, in this order: state, names, stream. Whatever is not answered is done without.
 void QualisysSession::askOn(const QualisysInterpreter::Heard& heard, core::Utime now) {
   const bool enough = !heard.errors.empty() || now - phase_since_ >= kAnswerLimit;
-  if (phase_ == Phase::kState && (enough || !heard.events.empty())) {
-    if (heard.events.empty()) {
+  const bool state = std::any_of(heard.events.begin(), heard.events.end(), isState);
+  if (phase_ == Phase::kState && (enough || state)) {
+    if (!state) {
       interpreter_.stateUnknown();
       notes_.once("state",
                   "QTM does not say whether it measures or plays a file back: its frames count as "
@@ -189,7 +190,7 @@ void QualisysSession::answer(const QualisysInterpreter::Heard& heard, core::Utim
       stream();
     }
   }
-  if (!heard.events.empty()) {
+  if (std::any_of(heard.events.begin(), heard.events.end(), isState)) {
     notes_.over("state", "QTM says what it streams");
   }
   if (heard.data) {

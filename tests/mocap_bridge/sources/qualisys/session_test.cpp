@@ -40,7 +40,7 @@ class QualisysSessionTest : public testing::Test {
     } else if (command == "GetState") {
       if (refuses_state_) {
         stream_->send(writeText(PacketType::kError, "Parse error"));
-      } else {
+      } else if (says_state_) {
         event(state_);
       }
     } else if (command.starts_with("GetParameters")) {
@@ -112,6 +112,7 @@ class QualisysSessionTest : public testing::Test {
   bool refuses_residuals_ = false;
   bool refuses_names_ = false;
   bool refuses_state_ = false;
+  bool says_state_ = true;
   Event state_ = Event::kCaptureStarted;
   Data sent_;
   core::Utime now_ = 1'700'000'000'000'000;
@@ -162,6 +163,30 @@ TEST_F(QualisysSessionTest, WhatMayBePlayedBackIsNotLive) {
   event(Event::kCaptureStarted);
   run(0.1);
   EXPECT_FALSE(lastIsRecorded());
+}
+
+TEST_F(QualisysSessionTest, AnAnswerThatIsLateSaysWhetherItIsLive) {
+  says_state_ = false;
+  run(1.0);
+  event(Event::kCameraSettingsChanged);  // says nothing of it
+  run(1.0);
+  EXPECT_TRUE(lastIsRecorded());
+  EXPECT_THAT(notes_, testing::Not(Contains(HasSubstr("QTM says what it streams"))));
+  event(Event::kConnected);
+  run(0.1);
+  EXPECT_FALSE(lastIsRecorded());
+  EXPECT_THAT(notes_, Contains(HasSubstr("QTM says what it streams")));
+}
+
+TEST_F(QualisysSessionTest, WhatHappensBesideIsNoAnswerToTheQuestionForTheState) {
+  says_state_ = false;
+  run(0.1);
+  event(Event::kCameraSettingsChanged);
+  run(1.0);
+  ASSERT_FALSE(heard_.frames.empty());
+  for (const SourceFrame& frame : heard_.frames) {
+    EXPECT_TRUE(frame.recorded);
+  }
 }
 
 TEST_F(QualisysSessionTest, AQtmThatRefusesToSayItsStateIsKept) {
