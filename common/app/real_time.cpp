@@ -24,14 +24,21 @@ void requestRealTimePriority(int priority) {
   report(prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL) == 0, "exact timers");
 }
 
+std::optional<Scheduling> keptToTheThread(const Scheduling& own) {
+  const bool inherited = own.policy == SCHED_FIFO || own.policy == SCHED_RR;
+  return inherited ? std::optional(Scheduling{own.policy | SCHED_RESET_ON_FORK, own.priority})
+                   : std::nullopt;
+}
+
 void keepRealTimePriorityToThisThread() {
   sched_param parameter{};
-  const int policy = sched_getscheduler(0);
-  if (policy != SCHED_FIFO || sched_getparam(0, &parameter) != 0) {
+  if (sched_getparam(0, &parameter) != 0) {
     return;
   }
-  report(sched_setscheduler(0, policy | SCHED_RESET_ON_FORK, &parameter) == 0,
-         "ordinary priority of new threads");
+  if (const auto kept = keptToTheThread({sched_getscheduler(0), parameter.sched_priority})) {
+    report(sched_setscheduler(0, kept->policy, &parameter) == 0,
+           "ordinary priority of new threads");
+  }
 }
 
 void requestLockedMemory() { report(mlockall(MCL_CURRENT | MCL_FUTURE) == 0, "locked memory"); }

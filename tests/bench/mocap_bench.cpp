@@ -49,12 +49,13 @@ class StampingBus final : public bus::Bus {
 /// An emulated system and the bridge, in one thread; sockets are real, on loopback.
 void packetToMessage(benchmark::State& state, const char* protocol, const std::string& url = "") {
   const int bodies = static_cast<int>(state.range(0));
-  const auto free_port = [] {
-    return mocap_bridge::UdpSocket("any", {mocap_bridge::kLoopback, 0}).port();
-  };
   mocap_bridge::EmulatorSettings settings;
-  settings.command_port = free_port();
-  settings.data_port = free_port();
+  {
+    const mocap_bridge::UdpSocket command("any", {mocap_bridge::kLoopback, 0});
+    const mocap_bridge::UdpSocket data("any", {mocap_bridge::kLoopback, 0});
+    settings.command_port = command.port();
+    settings.data_port = data.port();
+  }
   config::Experiment experiment;
   experiment.mocap.server = "127.0.0.1";
   experiment.mocap.interface = "127.0.0.1";

@@ -27,6 +27,24 @@ TEST(RealTime, GoesToNewThreadsUntilItIsKeptToTheThread) {
   }).join();
 }
 
+TEST(RealTime, PolicyAndPriorityStayWhileNewThreadsGetNone) {
+  for (const int policy : {SCHED_FIFO, SCHED_RR}) {
+    const auto kept = keptToTheThread({policy, 7});
+    EXPECT_EQ(kept, (Scheduling{policy | SCHED_RESET_ON_FORK, 7}));
+    EXPECT_EQ(keptToTheThread(*kept), std::nullopt) << "it is so already";
+  }
+  EXPECT_EQ(keptToTheThread({SCHED_OTHER, 0}), std::nullopt);
+}
+
+// The kernel's part of it, with a policy that needs no permission.
+TEST(RealTime, TheKernelTakesThePolicyThatIsNotInherited) {
+  std::thread([] {
+    const sched_param parameter{};
+    ASSERT_EQ(sched_setscheduler(0, SCHED_BATCH | SCHED_RESET_ON_FORK, &parameter), 0);
+    EXPECT_EQ(sched_getscheduler(0), SCHED_BATCH | SCHED_RESET_ON_FORK);
+  }).join();
+}
+
 TEST(RealTime, IsNotGivenToAThreadThatHasNone) {
   std::thread([] {
     keepRealTimePriorityToThisThread();

@@ -18,11 +18,31 @@ using testing::HasSubstr;
 
 constexpr core::Utime kStep = 5'000;
 
+/// No file can be opened while it lives.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    getrlimit(RLIMIT_NOFILE, &usual_);
+    const rlimit none{3, usual_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &none);
+  }
+  ~NoDescriptors() { setrlimit(RLIMIT_NOFILE, &usual_); }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+
+ private:
+  rlimit usual_{};
+};
+
 class EveryProtocol : public testing::TestWithParam<Protocol> {
  protected:
   EveryProtocol() {
-    settings_.command_port = freePort();
-    settings_.data_port = freePort();
+    {
+      const UdpSocket command("any", {kLoopback, 0});
+      const UdpSocket data("any", {kLoopback, 0});
+      settings_.command_port = command.port();
+      settings_.data_port = data.port();
+    }
     mocap_.server = "127.0.0.1";
     mocap_.interface = "127.0.0.1";
     mocap_.command_port = settings_.command_port;
@@ -36,8 +56,6 @@ class EveryProtocol : public testing::TestWithParam<Protocol> {
       body.position_m = {1.0 + i, -2.0, 0.5};
     }
   }
-
-  static int freePort() { return UdpSocket("any", {kLoopback, 0}).port(); }
 
   void startServer() { emulator_ = GetParam().make_emulator(settings_); }
   void startSession() { session_ = GetParam().make_session(mocap_); }
@@ -162,13 +180,11 @@ TEST_P(EveryProtocol, WithoutASocketItTriesAgain) {
   startServer();
   startSession();
   run(1.0);
-  rlimit usual{};
-  getrlimit(RLIMIT_NOFILE, &usual);
-  const rlimit none{3, usual.rlim_max};
   emulator_.reset();
-  setrlimit(RLIMIT_NOFILE, &none);
-  EXPECT_NO_THROW(run(8.0));
-  setrlimit(RLIMIT_NOFILE, &usual);
+  {
+    const NoDescriptors no_descriptors;
+    EXPECT_NO_THROW(run(8.0));
+  }
   const std::size_t before = heard_.frames.size();
   startServer();
   run(3.0);
