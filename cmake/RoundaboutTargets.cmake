@@ -11,7 +11,8 @@ if(ROUNDABOUT_WERROR)
   target_compile_options(roundabout_options INTERFACE -Werror)
 endif()
 if(ROUNDABOUT_SANITIZE)
-  # GCC warns of values and lengths in its own headers that instrumentation makes it lose track of.
+  # GCC warns of values and lengths in its own headers that instrumentation makes it lose track of. The dev and
+  # release presets keep these warnings.
   target_compile_options(roundabout_options INTERFACE
     -fsanitize=${ROUNDABOUT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
     "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>")

@@ -7,11 +7,13 @@ namespace roundabout::planner {
 
 namespace {
 
-// Of one vehicle between two ticks; planners send one, and one more for each KILL order. Without
-// frames there is no tick, and planners go on: the newest count.
+// Of one vehicle between two ticks: planners send one a tick, and one more for each order that
+// reaches them while they are killed. Without frames there are no ticks, but planners send on: then
+// the newest are kept.
 constexpr int kMostPending = 8;
 // A planner that acts on silence is that much ahead of the frames; later it says nothing new.
 constexpr core::Utime kLargestLead = core::kMicrosPerSecond;
+
 }  // namespace
 
 CommandBook::CommandBook(const config::Experiment& experiment)
