@@ -32,7 +32,7 @@ struct Lidar {
   double max_range_m = 6.0;  ///< what a beam says that hits nothing
   double rate_hz = 40.0;
   double noise_m = 0.0;          ///< standard deviation of a range
-  bool sees_room_walls = false;  ///< whether the edges of the room are walls
+  bool sees_room_walls = false;  ///< the edges of the room are walls: for simulator and planner
   double missed_share = 0.0;     ///< of the beams that hit something and say that they did not
   double mixed_share = 0.0;      ///< of the beams at an edge in depth: a range between the two
   double sweep_s = 0.0;          ///< from the first beam to the last; a scan's utime is the last's

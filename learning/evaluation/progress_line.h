@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 
 #include <spdlog/fmt/fmt.h>
@@ -35,6 +36,14 @@ class ProgressLine {
                           static_cast<double>(std::max<std::size_t>(done - first_, 1));
     fmt::print(stderr, "{}{} of {} {}, {}, {} left{}", terminal_ ? "\r\033[K" : "", done, count_,
                items_, what, timeText(left_s), terminal_ && !last ? "" : "\n");
+  }
+
+  /// Makes way for other lines on the terminal, until it is shown again.
+  void hide() const {
+    if (terminal_ && shown_ != begin_) {
+      fmt::print(stderr, "\r\033[K");
+      std::fflush(stderr);
+    }
   }
 
  private:

@@ -198,7 +198,7 @@ RunFolder folderOf(const Options& options) {
       throw core::StartupError("train", "--resume",
                                "no RECIPE, --set or --seed: the run has its own",
                                !options.recipe.empty()     ? options.recipe
-                               : options.overrides.empty() ? "--seed"
+                               : options.overrides.empty() ? fmt::format("--seed {}", *options.seed)
                                                            : options.overrides.front());
     }
     return RunFolder::open(options.folder);

@@ -1,5 +1,6 @@
 // `roundabout evaluate` as a user types it.
 
+#include <cstdlib>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -123,6 +124,40 @@ TEST_F(Evaluate, ListsWhatThereIs) {
   for (const char* word : {"ga3c_cadrl[:WEIGHTS]", "random500", "published", "lab"}) {
     EXPECT_THAT(ended.lines, Contains(HasSubstr(word)));
   }
+}
+
+/// Nothing can be found by its name alone while it lives.
+class NoPath {
+ public:
+  NoPath() { ::setenv("PATH", "/no/such/folder", 1); }
+  ~NoPath() { ::setenv("PATH", usual_.c_str(), 1); }
+  NoPath(const NoPath&) = delete;
+  NoPath& operator=(const NoPath&) = delete;
+
+ private:
+  std::string usual_ = ::getenv("PATH");
+};
+
+using Cross = FlightLab;
+
+TEST_F(Cross, RefusesPicturesThatCannotBeDrawnBeforeTheFirstRun) {
+  const std::vector<std::string> cross{
+      "cross",    ROUNDABOUT_SOURCE_DIR "/experiments/pedestrians.yaml",
+      "--policy", "orca",
+      "--csv",    (scratch_ / "runs.csv").string(),
+      "--runs",   "1000000"};
+  const auto refusal = [&](const std::string& folder) {
+    std::vector<std::string> arguments = cross;
+    arguments.insert(arguments.end(), {"--pictures", folder});
+    const Ended ended = run("roundabout", arguments);
+    EXPECT_EQ(ended.status.code, 2);
+    EXPECT_EQ(ended.lines.size(), 1u);
+    return ended.lines.empty() ? std::string() : ended.lines[0];
+  };
+  EXPECT_THAT(refusal(write("file", "") + "/pictures"), HasSubstr("cross: --pictures: expected"));
+  const NoPath no_path;
+  EXPECT_THAT(refusal((scratch_ / "pictures").string()), HasSubstr("gnuplot-nox"));
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "runs.csv"));
 }
 
 }  // namespace

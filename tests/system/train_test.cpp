@@ -89,6 +89,8 @@ TEST_F(Train, RefusesInOneLineWhatItCannotDo) {
     EXPECT_THAT(ended.lines[0], AllOf(HasSubstr("expected"), HasSubstr("found")));
   }
   EXPECT_FALSE(std::filesystem::exists(absent));
+  const Ended seeded = run("roundabout", {"train", "--resume", "--seed", "7", "--out", there});
+  EXPECT_THAT(seeded.lines, testing::ElementsAre(HasSubstr("found --seed 7")));
 }
 
 }  // namespace

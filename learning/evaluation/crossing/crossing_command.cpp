@@ -9,9 +9,11 @@
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include "common/config/experiment_file.h"
 #include "common/core/error.h"
+#include "common/plot/gnuplot_script.h"
 #include "learning/evaluation/crossing/crossing_figure.h"
 #include "learning/evaluation/progress_line.h"
 #include "learning/training/workers.h"
@@ -144,6 +146,19 @@ std::ofstream csvFile(const std::string& path) {
   return csv;
 }
 
+/// So that nobody waits for runs whose pictures cannot be drawn.
+void preparePictures(const std::string& folder) {
+  if (folder.empty()) {
+    return;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder, error) || ::access(folder.c_str(), W_OK) != 0) {
+    throw core::StartupError("cross", "--pictures", "a folder that can be written to", folder);
+  }
+  plot::GnuplotScript().run();
+}
+
 /// Counted from 0: those asked for, else all.
 std::vector<int> runsOf(const Options& options) {
   std::vector<int> runs;
@@ -195,7 +210,6 @@ std::string whatHappened(const CrossingResult& result) {
 
 void draw(const Options& options, const Variant& variant, const std::vector<int>& runs,
           const std::vector<CrossingResult>& results) {
-  std::filesystem::create_directories(options.pictures);
   for (const std::size_t i : drawn(options, results)) {
     const config::Experiment experiment = experimentOf(options, variant, runs[i]);
     CrossingTrace trace;
@@ -218,6 +232,7 @@ int cross(const Options& options) {
     const config::Experiment experiment = experimentOf(options, variant, runs.front());
     requireCrossing(experiment, castOf(options, experiment));
   }
+  preparePictures(options.pictures);
   std::ofstream csv = csvFile(options.csv);
   Workers workers(options.threads);
   fmt::print(
@@ -238,6 +253,7 @@ int cross(const Options& options) {
       const std::lock_guard lock(one_at_a_time);
       progress.show(++done, variant.label);
     });
+    progress.hide();
     print(variant, summarise(results));
     std::fflush(stdout);
     if (csv.is_open()) {

@@ -1,5 +1,6 @@
 #include "learning/evaluation/crossing/crossing_figure.h"
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -57,7 +58,7 @@ std::string number(const Vector2d& at_m, double time_s) {
 
 Drawing drawingOf(const config::Experiment& experiment, const CrossingTrace& trace) {
   Drawing drawing;
-  const double end_s = trace.moments.back().time_s;
+  const double end_s = std::max(trace.moments.back().time_s, kCirclesEvery_s);
   std::map<std::int32_t, Vector2d> numbered_m;  // where a person's last number stands
   double next_circle_s = 0.0;
   double next_time_s = 0.0;

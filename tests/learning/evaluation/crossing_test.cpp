@@ -1,11 +1,14 @@
 #include "learning/evaluation/crossing/crossing.h"
 
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
+#include "learning/evaluation/crossing/crossing_figure.h"
 #include "planner/policies/table.h"
 #include "tests/planner/occupied_cells.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/startup_error.h"
 
 namespace roundabout::learning {
@@ -149,6 +152,18 @@ TEST(Crossing, WhatIsRefusedIsRefusedBeforeTheFirstRun) {
   learned.policy = [] { return planner::makePolicy("non_cooperative", {}); };
   EXPECT_NE(test::startupErrorOf([&] { requireCrossing(experiment, learned); }).find("obstacles"),
             std::string::npos);
+}
+
+// A trace that ends as it begins has no time to get lighter by.
+TEST(CrossingFigure, DrawsARunOfNoTime) {
+  const test::ScratchFolder folder;
+  CrossingTrace trace;
+  trace.goal_m = {0.1, 0.0};
+  trace.moments = {{0.0, {0.0, 0.0}, 0.0, {{1, {1.0, 0.0}}}}};
+  drawCrossing(corridor(), trace, "at its goal", folder / "run");
+  std::ifstream in(folder / "run.svg");
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(svg.find("rgb(216,  92,  20)"), std::string::npos) << "the person, not lighter";
 }
 
 TEST(CrossingSummary, CountsRunsAndAveragesOverThoseThatArrived) {
