@@ -21,9 +21,11 @@ constexpr double kTimeAllowance_s = 5.0;
 
 }  // namespace
 
-Environment::Environment(const Recipe& recipe, core::RandomStream random)
+Environment::Environment(const Recipe& recipe, core::RandomStream random,
+                         const HardCases* hard_cases)
     : recipe_(recipe),
       random_(std::move(random)),
+      hard_cases_(hard_cases),
       rules_(makeRules("published")),
       straight_(planner::makeNonCooperative({})),
       encoder_(recipe.max_others, planner::othersOrderNamed(recipe.others_order).value()) {
@@ -41,7 +43,9 @@ void Environment::enter(const Stage& stage, double collision_reward) {
 }
 
 void Environment::begin() {
-  case_ = drawTrainingCase(*stage_, recipe_.crowd, random_);
+  const bool again = stage_->hard_share > 0.0 && hard_cases_ != nullptr &&
+                     hard_cases_->worthDrawing() && random_.chance(stage_->hard_share);
+  case_ = again ? hard_cases_->draw(random_) : drawTrainingCase(*stage_, recipe_.crowd, random_);
   world_.emplace(rules_, case_.test_case);
   std::vector<Eigen::Vector2d> goals_m;
   for (const AgentSpec& agent : case_.test_case.agents) {
@@ -169,6 +173,9 @@ void Environment::finish() {
   }
   figures.reward /= learners;
   finished_.push_back(figures);
+  if (!figures.success && stage_->hard_share > 0.0) {
+    failed_.push_back(case_);
+  }
 }
 
 void Environment::lookBeyond(Samples& beyond, std::vector<std::size_t>& last_samples) {

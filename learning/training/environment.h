@@ -25,8 +25,10 @@ struct EpisodeFigures {
 /// samples; all others have policies of their own.
 class Environment {
  public:
-  /// Draws from its own stream. recipe outlives it.
-  Environment(const Recipe& recipe, core::RandomStream random);
+  /// Draws from its own stream. recipe and hard_cases outlive it; hard_cases, which may be null,
+  /// does not change while environments step.
+  Environment(const Recipe& recipe, core::RandomStream random,
+              const HardCases* hard_cases = nullptr);
 
   /// From now on; takes effect at the next episode but for the planning step.
   void enter(const Stage& stage, double collision_reward);
@@ -46,6 +48,8 @@ class Environment {
 
   /// Episodes that have ended since the last call.
   std::vector<EpisodeFigures> takeFinished() { return std::exchange(finished_, {}); }
+  /// Those of them in which a learner failed, if the stage wants them again.
+  std::vector<TrainingCase> takeFailed() { return std::exchange(failed_, {}); }
 
  private:
   static constexpr std::int32_t kNone = -1;
@@ -67,6 +71,7 @@ class Environment {
 
   const Recipe& recipe_;
   core::RandomStream random_;
+  const HardCases* hard_cases_;
   const Stage* stage_ = nullptr;
   double collision_reward_ = -0.25;
   Rules rules_;
@@ -77,6 +82,7 @@ class Environment {
   std::unique_ptr<planner::Policy> straight_;
   planner::ObservationEncoder encoder_;
   std::vector<EpisodeFigures> finished_;
+  std::vector<TrainingCase> failed_;
 };
 
 }  // namespace roundabout::learning

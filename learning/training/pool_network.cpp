@@ -1,6 +1,18 @@
 #include "learning/training/pool_network.h"
 
+#include <algorithm>
+#include <array>
+
+#include "planner/policies/ga3c_cadrl/others_reader.h"
+
 namespace roundabout::learning {
+
+namespace {
+
+constexpr Eigen::Index kUnitsAtOnce = 16;
+static_assert(planner::kPooledUnits % kUnitsAtOnce == 0);
+
+}  // namespace
 
 PoolNetwork::PoolNetwork(const ParameterLayout& layout)
     : other1_(layout.layer("other1")), other2_(layout.layer("other2")), trunk_(layout) {}
@@ -12,37 +24,44 @@ const Matrix& PoolNetwork::forward(const Parameters& parameters, const Batch& ba
   return trunk_.forward(parameters, joint_);
 }
 
+// The pooling goes over a vector's width of units at a time, which stay in registers over all the
+// others of an observation.
 void PoolNetwork::pool(const Batch& batch) {
   const Eigen::Index units = other2_.outputs;
   joint_.resize(batch.size(), planner::kEgoInputs + units);
   winner_.resize(batch.size(), units);
   joint_.leftCols(planner::kEgoInputs) = batch.egos();
   for (Eigen::Index b = 0; b < batch.size(); ++b) {
-    float* best = joint_.row(b).data() + planner::kEgoInputs;
-    std::int32_t* winner = winner_.row(b).data();
-    std::fill_n(best, units, 0.0F);
-    std::fill_n(winner, units, -1);
-    for (Eigen::Index pair = batch.first(b); pair < batch.first(b + 1); ++pair) {
-      const float* read = read_.row(pair).data();
-      const auto number = static_cast<std::int32_t>(pair);
-      for (Eigen::Index unit = 0; unit < units; ++unit) {
-        const bool larger = read[unit] > best[unit];
-        best[unit] = larger ? read[unit] : best[unit];
-        winner[unit] = larger ? number : winner[unit];
+    float* const best = joint_.row(b).data() + planner::kEgoInputs;
+    std::int32_t* const winner = winner_.row(b).data();
+    for (Eigen::Index unit = 0; unit < units; unit += kUnitsAtOnce) {
+      std::array<float, kUnitsAtOnce> most{};
+      std::array<std::int32_t, kUnitsAtOnce> whose;
+      whose.fill(-1);
+      for (Eigen::Index pair = batch.first(b); pair < batch.first(b + 1); ++pair) {
+        const float* const read = read_.row(pair).data() + unit;
+        for (std::size_t u = 0; u < kUnitsAtOnce; ++u) {
+          whose[u] = read[u] > most[u] ? static_cast<std::int32_t>(pair) : whose[u];
+          most[u] = read[u] > most[u] ? read[u] : most[u];
+        }
       }
+      std::copy(most.begin(), most.end(), best + unit);
+      std::copy(whose.begin(), whose.end(), winner + unit);
     }
   }
 }
 
 void PoolNetwork::unpool(const Batch& batch, const Matrix& d_joint) {
   const Eigen::Index units = other2_.outputs;
-  d_read_.setZero(batch.pairCount(), units);
+  d_read_.resize(batch.pairCount(), units);
   for (Eigen::Index b = 0; b < batch.size(); ++b) {
-    const float* d_best = d_joint.row(b).data() + planner::kEgoInputs;
-    const std::int32_t* winner = winner_.row(b).data();
-    for (Eigen::Index unit = 0; unit < units; ++unit) {
-      if (winner[unit] >= 0) {
-        d_read_(winner[unit], unit) = d_best[unit];
+    const float* const d_best = d_joint.row(b).data() + planner::kEgoInputs;
+    const std::int32_t* const winner = winner_.row(b).data();
+    for (Eigen::Index pair = batch.first(b); pair < batch.first(b + 1); ++pair) {
+      float* const d_read = d_read_.row(pair).data();
+      const auto number = static_cast<std::int32_t>(pair);
+      for (Eigen::Index unit = 0; unit < units; ++unit) {
+        d_read[unit] = onlyIf(winner[unit] == number, d_best[unit]);
       }
     }
   }

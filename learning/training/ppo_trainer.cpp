@@ -25,6 +25,7 @@ PpoTrainer::PpoTrainer(const Recipe& recipe, int threads, TrainingState state)
 }
 
 void PpoTrainer::renewEnvironments() {
+  hard_cases_.clear();
   for (Shard& shard : shards_) {
     shard.environments.clear();
   }
@@ -32,7 +33,7 @@ void PpoTrainer::renewEnvironments() {
     core::RandomStream random(recipe_.seed,
                               fmt::format("training/environment/{}/{}", i, state_.iterations));
     shards_[static_cast<std::size_t>(i % recipe_.shards)].environments.emplace_back(
-        recipe_, std::move(random));
+        recipe_, std::move(random), &hard_cases_);
   }
   for (int i = 0; i < recipe_.shards; ++i) {
     shards_[static_cast<std::size_t>(i)].lab.emplace(
@@ -132,6 +133,9 @@ void PpoTrainer::collect(IterationFigures& figures) {
     count(shard.lab->takeFinished());
     for (Environment& environment : shard.environments) {
       count(environment.takeFinished());
+      for (TrainingCase& failed : environment.takeFailed()) {
+        hard_cases_.add(std::move(failed));
+      }
     }
   }
   figures.samples = samples_.size();

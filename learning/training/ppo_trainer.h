@@ -50,6 +50,7 @@ class PpoTrainer final : public Trainer {
   bool update(std::span<const std::uint32_t> order, LossFigures& sum);
 
   Workers workers_;
+  HardCases hard_cases_;
   std::deque<Shard> shards_;
   StagePlace place_{};
   std::shared_ptr<const planner::Ga3cCadrlWeights> flown_;  // in the lab

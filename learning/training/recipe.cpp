@@ -32,6 +32,7 @@ void describe(Visitor& visit, Stage& stage) {
   visit("trap_share", stage.trap_share, between(0.0, 1.0));
   visit("sharp_share", stage.sharp_share, between(0.0, 1.0));
   visit("sharpness", stage.sharpness, above(0.0));
+  visit("hard_share", stage.hard_share, between(0.0, 0.9));
   visit("lab_variation", stage.lab_variation, between(0.0, 0.9));
 }
 
@@ -41,6 +42,8 @@ void describe(Visitor& visit, Crowd& crowd) {
   visit("static_share", crowd.static_share, between(0.0, 0.9));
   visit("turned_share", crowd.turned_share, between(0.0, 1.0));
   visit("wide_speeds_share", crowd.wide_speeds_share, between(0.0, 1.0));
+  visit("published_square_share", crowd.published_square_share, between(0.0, 1.0));
+  visit("numbers_exponent", crowd.numbers_exponent, between(-3.0, 3.0));
 }
 
 template <class Visitor>
@@ -152,6 +155,10 @@ Recipe parseRecipe(const std::string& yaml, const std::string& file,
     if (ga3c && stage.sharp_share > 0.0) {
       document.fail("stages[" + std::to_string(i) + "].sharp_share", "0, with ga3c",
                     fmt::format("{}", stage.sharp_share));
+    }
+    if (ga3c && stage.hard_share > 0.0) {
+      document.fail("stages[" + std::to_string(i) + "].hard_share", "0, with ga3c",
+                    fmt::format("{}", stage.hard_share));
     }
     if (stage.max_agents < stage.min_agents) {
       document.fail("stages[" + std::to_string(i) + "].max_agents",

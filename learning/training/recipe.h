@@ -19,7 +19,7 @@ struct Stage {
   std::string name;
   std::string world = "ideal";  ///< or "lab", which is the evaluation's under the rules of the lab
   double agent_steps = 1e6;     ///< how long
-  int min_agents = 2;           ///< in a case; uniform
+  int min_agents = 2;           ///< in a case
   int max_agents = 4;
   double planning_step_s = 0.2;
   FromTo learning_rate{6e-4, 6e-4};
@@ -28,6 +28,7 @@ struct Stage {
   double trap_share = 0.0;     ///< of cases: a few agents among others that have parked
   double sharp_share = 0.0;    ///< of learners: act on sharpened scores
   double sharpness = 2.0;      ///< what those multiply their scores by
+  double hard_share = 0.0;     ///< of cases: ones in which learners failed lately
   double lab_variation = 0.3;  ///< how much delays, gains and noise of the lab differ, as a share
 
   double at(const FromTo& quantity, double done) const {
@@ -41,6 +42,8 @@ struct Crowd {
   double static_share = 0.05;           ///< of agents: never move
   double turned_share = 0.25;           ///< of agents: begin with any heading
   double wide_speeds_share = 0.5;       ///< of cases: speeds uniform from 0.5 to 2 m/s
+  double published_square_share = 0.0;  ///< of cases: in the square of the published sets
+  double numbers_exponent = 0.0;        ///< cases of n agents come n to this times as often
 };
 
 /// Proximal policy optimisation (Schulman et al. 2017).

@@ -1,7 +1,9 @@
 #include "learning/training/training_cases.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "learning/evaluation/generate.h"
 
@@ -14,12 +16,34 @@ using Eigen::Vector2d;
 constexpr double kMaxGrowth = 3.0;
 constexpr double kGoalGap_m = 0.1;  // a static agent keeps it from everybody's goal
 constexpr int kTrapDraws = 20;
+constexpr std::size_t kFewestHardCases = 32;
+constexpr std::size_t kMostHardCases = 2000;
+
+int drawNumber(const Stage& stage, const Crowd& crowd, core::RandomStream& random) {
+  if (crowd.numbers_exponent == 0.0) {
+    const auto sizes = static_cast<std::size_t>(stage.max_agents - stage.min_agents + 1);
+    return stage.min_agents + static_cast<int>(random.index(sizes));
+  }
+  const auto weight = [&](int agents) { return std::pow(agents, crowd.numbers_exponent); };
+  double sum = 0.0;
+  for (int agents = stage.min_agents; agents <= stage.max_agents; ++agents) {
+    sum += weight(agents);
+  }
+  double draw = random.uniform(0.0, sum);
+  int agents = stage.min_agents;
+  while (agents < stage.max_agents && (draw -= weight(agents)) >= 0.0) {
+    ++agents;
+  }
+  return agents;
+}
 
 TestCase drawCase(const Stage& stage, const Crowd& crowd, core::RandomStream& random) {
   GeneratorSettings settings;
-  const auto sizes = static_cast<std::size_t>(stage.max_agents - stage.min_agents + 1);
-  settings.agents = stage.min_agents + static_cast<int>(random.index(sizes));
+  settings.agents = drawNumber(stage, crowd, random);
   settings.half_side_m = random.uniform(4.0, settings.agents < 5 ? 5.0 : 7.0);
+  if (crowd.published_square_share > 0.0 && random.chance(crowd.published_square_share)) {
+    settings.half_side_m = publishedHalfSide(settings.agents);
+  }
   settings.max_growth = kMaxGrowth;
   TestCase result = generateCase("mixed", settings, random);
   if (random.chance(crowd.wide_speeds_share)) {
@@ -124,6 +148,26 @@ TrainingCase drawTrainingCase(const Stage& stage, const Crowd& crowd, core::Rand
     drawn.roles.front() = learner;
   }
   return drawn;
+}
+
+void HardCases::add(TrainingCase failed) {
+  if (cases_.size() < kMostHardCases) {
+    cases_.push_back(std::move(failed));
+    return;
+  }
+  cases_[oldest_] = std::move(failed);
+  oldest_ = (oldest_ + 1) % kMostHardCases;
+}
+
+void HardCases::clear() {
+  cases_.clear();
+  oldest_ = 0;
+}
+
+bool HardCases::worthDrawing() const { return cases_.size() >= kFewestHardCases; }
+
+const TrainingCase& HardCases::draw(core::RandomStream& random) const {
+  return cases_[random.index(cases_.size())];
 }
 
 }  // namespace roundabout::learning

@@ -29,4 +29,19 @@ struct TrainingCase {
 /// blocked, among others that stand on their goals.
 TrainingCase drawTrainingCase(const Stage& stage, const Crowd& crowd, core::RandomStream& random);
 
+/// Cases in which learners failed lately. One that fails again is in it once more.
+class HardCases {
+ public:
+  /// Forgets the oldest when it is full.
+  void add(TrainingCase failed);
+  void clear();
+  /// Whether there are so many that learners do not see the same few all the time.
+  bool worthDrawing() const;
+  const TrainingCase& draw(core::RandomStream& random) const;
+
+ private:
+  std::vector<TrainingCase> cases_;
+  std::size_t oldest_ = 0;
+};
+
 }  // namespace roundabout::learning

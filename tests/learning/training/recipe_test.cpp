@@ -39,6 +39,8 @@ TEST(Recipe, RefusesWhatWouldDoNothingOrBreak) {
               HasSubstr("ppo.mirrored_share"));
   EXPECT_THAT(errorOf("algorithm: ga3c\nstages: [{name: a, sharp_share: 0.5}]"),
               HasSubstr("stages[0].sharp_share"));
+  EXPECT_THAT(errorOf("algorithm: ga3c\nstages: [{name: a, hard_share: 0.5}]"),
+              HasSubstr("stages[0].hard_share"));
 }
 
 TEST(Recipe, SaysWhichStageItIsTheTimeFor) {
