@@ -17,6 +17,8 @@ constexpr core::Utime kLongestPrediction = 100'000;
 // Measurements may be a little outside the room.
 constexpr double kRoomMargin_m = 1.0;
 constexpr double kUpright = 0.7;
+// Of the sum of two vehicles' radii: nearer, one would stand in the other.
+constexpr double kWithin = 0.25;
 
 std::vector<std::string> namesOf(const config::Experiment& experiment) {
   std::vector<std::string> names;
@@ -40,7 +42,11 @@ BridgeNode::BridgeNode(const config::Experiment& experiment, std::unique_ptr<Sou
       period_us_(core::toUtime(1.0 / experiment.mocap.output_rate_hz)),
       source_(std::move(source)),
       estimator_(experiment, usual_axes),
-      publisher_(bus, namesOf(experiment)) {}
+      publisher_(bus, namesOf(experiment)) {
+  for (const config::Vehicle& vehicle : experiment.vehicles) {
+    radii_m_.push_back(vehicle.body_radius_m);
+  }
+}
 
 void BridgeNode::poll(core::Utime now) {
   source_->poll(now, *this);
@@ -70,7 +76,10 @@ void BridgeNode::onFrame(const SourceFrame& frame) {
     notes_.over("recorded", "the system is live again");
   }
   if (used) {
-    first_frame_ = first_frame_ == 0 ? frame.exposure_utime : first_frame_;
+    const core::Utime now = frame.exposure_utime;
+    first_frame_ = first_frame_ == 0 ? now : first_frame_;
+    frames_since_ = std::abs(now - last_frame_) > kLongestPrediction ? now : frames_since_;
+    last_frame_ = now;
     noteTracks(frame);
     noteSetUp(frame);
   }
@@ -119,7 +128,8 @@ void BridgeNode::noteTracks(const SourceFrame& frame) {
                      : fmt::format("{}: body {} has been seen at another vehicle's place for a "
                                    "second and is not believed. Have two bodies been exchanged?",
                                    vehicle.name, vehicle.body));
-    } else if (last_seen != 0 && frame.exposure_utime - last_seen > kLostForLong) {
+    } else if (last_seen != 0 &&
+               frame.exposure_utime - std::max(last_seen, frames_since_) > kLostForLong) {
       notes_.once(lost, fmt::format("{}: nothing of body {} could be used for more than a second; "
                                     "now it is {}",
                                     vehicle.name, vehicle.body, nameOf(vehicle.last)));
@@ -146,6 +156,7 @@ void BridgeNode::noteSetUp(const SourceFrame& frame) {
       notePose(i);
     }
   }
+  noteDistances();
 }
 
 // A body that is streamed and was never believed.
@@ -191,6 +202,24 @@ void BridgeNode::notePose(std::size_t vehicle) {
     notes_.say(state.name +
                " does not stand upright: is the other axis up (mocap.axes), or was the body made "
                "while the vehicle was not level (mocap.bodies rotation_rad)?");
+  }
+}
+
+// Once: wrong units bring all of them together.
+void BridgeNode::noteDistances() {
+  const std::vector<core::VehicleState>& states = estimator_.states().vehicles;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double apart_m = (states[i].position_world_m - states[j].position_world_m).norm();
+      if (states[i].tracked && states[j].tracked &&
+          apart_m < kWithin * (radii_m_[i] + radii_m_[j])) {
+        notes_.say(
+            fmt::format("{} and {} are {:.1f} cm apart, nearer than their bodies can be "
+                        "(body_radius_m). Are units others than assumed (mocap.scale)?",
+                        states[j].name, states[i].name, 100.0 * apart_m));
+        return;
+      }
+    }
   }
 }
 

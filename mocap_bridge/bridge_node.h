@@ -29,6 +29,8 @@ class BridgeNode final : private PacketSink {
   }
   bool finished() const { return source_->finished(); }
 
+  /// Whether body names, units and axes have been looked at, in the frames of 2 s.
+  bool setUpChecked() const { return set_up_checked_; }
   /// Lines for the operator since the last call.
   std::vector<std::string> takeNotes();
   std::string report() const;
@@ -43,9 +45,11 @@ class BridgeNode final : private PacketSink {
   void noteTracks(const SourceFrame& frame);
   void noteSetUp(const SourceFrame& frame);
   void notePose(std::size_t vehicle);
+  void noteDistances();
   void noteUnused(const StateEstimator::Vehicle& vehicle);
 
   config::Room room_;
+  std::vector<double> radii_m_;
   bool resampled_;
   core::Utime period_us_;
   std::unique_ptr<Source> source_;
@@ -53,6 +57,8 @@ class BridgeNode final : private PacketSink {
   StatePublisher publisher_;
   Notes notes_;
   core::Utime first_frame_ = 0;  // exposure
+  core::Utime last_frame_ = 0;
+  core::Utime frames_since_ = 0;  // without a gap
   bool set_up_checked_ = false;
   core::Utime last_tick_ = 0;
   std::int64_t ticks_ = 0;

@@ -51,12 +51,18 @@ Descriptor makeSocket(const std::string& what, int type) {
   return socket;
 }
 
-void bindTo(const std::string& what, const Descriptor& socket, const Endpoint& local) {
-  set(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+void bindTo(const std::string& what, const Descriptor& socket, const Endpoint& local,
+            bool alone = false) {
+  set(socket, SOL_SOCKET, SO_REUSEADDR, alone ? 0 : 1);
   const sockaddr_in address = toSystem(local);
   if (bind(socket.get(), generic(address), sizeof(address)) != 0) {
-    throw core::StartupError("network", what, "that " + text(local) + " can be listened on",
-                             std::strerror(errno));
+    const bool taken = alone && errno == EADDRINUSE;
+    throw core::StartupError(
+        "network", what,
+        "that " + text(local) + " can be listened on" + (alone ? " by this program alone" : ""),
+        taken ? "another that listens there: is mocap_bridge running, or "
+                "mocap watch?"
+              : std::strerror(errno));
   }
 }
 
@@ -156,11 +162,11 @@ Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
 
 int Descriptor::release() { return std::exchange(descriptor_, -1); }
 
-UdpSocket::UdpSocket(const std::string& what, Endpoint local)
+UdpSocket::UdpSocket(const std::string& what, Endpoint local, Port port)
     : descriptor_(makeSocket(what, SOCK_DGRAM)), buffer_(kLargestDatagram) {
   set(descriptor_, SOL_SOCKET, SO_RCVBUF, kReceiveBuffer);
   set(descriptor_, SOL_SOCKET, SO_BROADCAST, 1);
-  bindTo(what, descriptor_, local);
+  bindTo(what, descriptor_, local, port == Port::kAlone);
 }
 
 void UdpSocket::joinGroup(std::uint32_t group, std::uint32_t interface) {

@@ -56,9 +56,13 @@ class Descriptor {
 
 class UdpSocket {
  public:
-  /// Port 0: one that is free. Several may share a port; the receive buffer holds a MiB where the
-  /// machine allows it. `what` names the socket in errors.
-  UdpSocket(const std::string& what, Endpoint local);
+  /// Of datagrams to this machine, only one of those who share a port hears each: a second listener
+  /// takes them away from the first.
+  enum class Port { kShared, kAlone };
+
+  /// Port 0: one that is free. The receive buffer holds a MiB where the machine allows it. `what`
+  /// names the socket in errors. Throws core::StartupError.
+  UdpSocket(const std::string& what, Endpoint local, Port port = Port::kShared);
 
   /// On the interface with that address; any: the one that the routes say. Throws
   /// core::StartupError.

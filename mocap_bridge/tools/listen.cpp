@@ -117,6 +117,10 @@ int record(const ListenOptions& options) {
     return 1;
   }
   fmt::print("{} packets, {} frames in {}\n", packets, sink.frames, options.out);
+  if (sink.frames == 0) {
+    std::fprintf(stderr, "no frame came\n");
+    return 1;
+  }
   return 0;
 }
 

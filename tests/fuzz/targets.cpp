@@ -14,6 +14,7 @@
 #include "mocap_bridge/sources/vicon_udp/parser.h"
 #include "mocap_bridge/sources/vrpn/parser.h"
 #include "tests/support/mocap_fixtures.h"
+#include "tests/support/tcp_capture.h"
 
 namespace roundabout::test {
 
@@ -254,6 +255,31 @@ std::size_t runPacketFile(Bytes input) {
   return 0;
 }
 
+// Three segments of a server, the middle one late, and one that never comes.
+Input tcpCapture() {
+  constexpr std::uint32_t kServer = 0x0a000001;
+  constexpr std::uint32_t kClient = 0x0a000002;
+  constexpr std::uint32_t kFirst = 0xffffffe0;  // its numbers overflow
+  const Input said = vrpn::writeCookie();
+  TcpCapture capture;
+  const auto add = [&](core::Utime arrival, std::uint32_t place, Bytes bytes, bool syn = false) {
+    capture.add({kServer, kClient, vrpn::kDefaultPort, 40'000, kFirst + place, syn, true, bytes},
+                kBegin + arrival);
+  };
+  capture.add({kClient, kServer, 40'000, vrpn::kDefaultPort, 5000, true, false, {}}, kBegin);
+  add(1'000, 0, {}, true);
+  capture.add({kClient, kServer, 40'000, vrpn::kDefaultPort, 5001, false, true, said},
+              kBegin + 2'000);
+  const Bytes bytes(said);
+  add(3'000, 1, bytes.first(8));
+  add(4'000, 17, bytes.subspan(16, 8));
+  add(5'000, 9, bytes.subspan(8, 8));
+  add(5'000, 9, bytes.subspan(8, 8));
+  add(6'000, 49, bytes.first(8));
+  add(2'000'000, 57, bytes.first(8));
+  return capture.bytes();
+}
+
 std::vector<Input> packetFileSeeds() {
   std::vector<Input> seeds;
   Input capture = readFileBytes(referenceFolder() / "mocap/natnet_v3_mje-nz/raw/traffic.pcapng");
@@ -266,7 +292,7 @@ std::vector<Input> packetFileSeeds() {
   own.put<std::uint16_t>(1511);
   own.put<std::uint32_t>(4);
   own.put<std::uint32_t>(9);
-  for (const Input& seed : {capture, records, own.bytes()}) {
+  for (const Input& seed : {capture, records, own.bytes(), tcpCapture()}) {
     if (!seed.empty()) {
       seeds.push_back(seed);
     }

@@ -154,6 +154,19 @@ TEST_F(BridgeNodeTest, WhatKeepsABodyFromBeingUsedIsSaidInFlight) {
   EXPECT_THAT(notes_, testing::ElementsAre(HasSubstr("wrong way round")));
 }
 
+TEST_F(BridgeNodeTest, WhenAllFramesStoppedNoBodyIsBlamed) {
+  start();
+  run(2.5);
+  notes_.clear();
+  number_ += 1'000;
+  run(1.0);
+  EXPECT_TRUE(heard_.back().vehicles[0].tracked);
+  EXPECT_THAT(notes_, testing::IsEmpty());
+  number_ += 1'000;
+  run(1.5, [](SourceFrame& frame) { frame.bodies[0].tracked = false; });
+  EXPECT_THAT(notes_, testing::ElementsAre(HasSubstr("hex1: nothing of body hex1")));
+}
+
 TEST_F(BridgeNodeTest, WhatIsPlayedBackIsNotPublishedAndSaidOnce) {
   start();
   run(1.0, [](SourceFrame& frame) { frame.recorded = true; });
@@ -193,6 +206,10 @@ TEST_F(BridgeNodeTest, UnitsAndAxesThatMakeNoSenseAreSaid) {
   run(2.1, still(1.0, on_its_side, {2.0, 1.0, -9.0}));
   EXPECT_THAT(notes_, Contains(HasSubstr("y_up or z_up")));
   EXPECT_THAT(notes_, Contains(HasSubstr("does not stand upright")));
+  notes_.clear();
+  start();
+  run(2.1, still(0.001, Eigen::Quaterniond::Identity(), {2.0, 3.0, 1.0}));
+  EXPECT_THAT(notes_, testing::ElementsAre(HasSubstr("hex1 and hex2 are 0.2 cm apart")));
   notes_.clear();
   start();
   run(2.1, [](SourceFrame& frame) {  // flying, in millimetres

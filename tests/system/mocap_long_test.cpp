@@ -66,6 +66,20 @@ class SilentLab : public MocapLab {
   }
 };
 
+TEST_F(MocapLab, TheDoctorSaysWhatIsWrongWithBodiesAndUnits) {
+  startEmulator("natnet", {"--bodies", "2"});
+  const auto examine = [&](const std::string& more) {
+    const Ended ended =
+        run("roundabout", {"doctor", twoSwap(labFile("natnet", more)), "--lcm-url", url()});
+    return testing::PrintToString(ended.lines);
+  };
+  EXPECT_THAT(examine(""), testing::HasSubstr("every vehicle's is streamed and believed"));
+  EXPECT_THAT(examine(", bodies: [{vehicle: hex2, id: 1}]"),
+              testing::HasSubstr("hex1 and hex2 are mapped to one body, hex1"));
+  EXPECT_THAT(examine(", scale: 1000"), testing::HasSubstr("nothing of body hex1"));
+  EXPECT_THAT(examine(", scale: 0.001"), testing::HasSubstr("cm apart, nearer than their bodies"));
+}
+
 TEST_F(SilentLab, BridgeAndSimulatorFallSilentAndComeBackAlike) {
   auto& sim = start("sim", {"--config", twoSwap("sim: {pacing: real_time}\n"), "--lcm-url", url()});
   waitUntil("the simulator", [&] { return heard().frames > 20; });

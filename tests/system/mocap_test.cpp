@@ -157,7 +157,21 @@ TEST_F(MocapLab, TheDoctorLooksAtTheMotionCaptureSystem) {
   startEmulator("natnet", {"--bodies", "1"});
   const std::string found = examine(lab);
   EXPECT_THAT(found, HasSubstr("frames a second"));
-  EXPECT_THAT(found, HasSubstr("not streamed: hex2; streamed: hex1"));
+  EXPECT_THAT(found, HasSubstr("hex2: the system streams no body hex2 (mocap.bodies); it streams "
+                               "hex1"));
+  EXPECT_THAT(found, testing::Not(HasSubstr("every vehicle's")));
+}
+
+// Of datagrams to a machine, one program hears each: a second would take them from the first.
+TEST_F(MocapLab, WhoWatchesViconTakesNoDatagramsFromWhoFlies) {
+  const std::string lab = twoSwap(labFile("vicon_udp"));
+  startEmulator("vicon_udp", {"--bodies", "2"});
+  start("mocap_bridge", {"--config", lab, "--lcm-url", url()});
+  EXPECT_GT(listen(1.0).messages.size(), 20U);
+  const Ended watch = run("roundabout", {"mocap", "watch", lab, "--seconds", "1"});
+  EXPECT_EQ(watch.status.code, 2);
+  EXPECT_THAT(testing::PrintToString(watch.lines), HasSubstr("is mocap_bridge running"));
+  EXPECT_GT(listen(0.3).messages.size(), 20U);
 }
 
 TEST_F(MocapLab, DecodePrintsEveryRecordedFrame) {

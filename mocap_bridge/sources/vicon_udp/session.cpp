@@ -20,7 +20,7 @@ ViconSession::ViconSession(const config::Mocap& mocap)
     : named_(mocap.server.empty() ? kAnyAddress : resolveAddress("mocap.server", mocap.server)),
       server_(named_),
       // Bound to an interface's address, broadcasts would not be heard.
-      socket_("Vicon object stream", {kAnyAddress, portOf(mocap)}),
+      socket_("Vicon object stream", {kAnyAddress, portOf(mocap)}, UdpSocket::Port::kAlone),
       interpreter_(mocap) {
   interfaceAddress("mocap.interface", mocap.interface);
 }
@@ -61,9 +61,9 @@ void ViconSession::onDatagram(const UdpSocket::Received& datagram, core::Utime n
     server_ = datagram.from.address;
     notes_.say("objects come from " + text(datagram.from));
   }
+  notes_.over("silent", last_packet_ == 0 ? "objects arrive" : "objects arrive again");
   last_packet_ = now;
   connected_ = true;
-  notes_.over("silent", "objects arrive again");
 }
 
 void ViconSession::noteSilence(core::Utime now) {

@@ -64,6 +64,7 @@ void VrpnSession::receive(core::Utime now, PacketSink& sink) {
     if (!greeted && interpreter_.greeted()) {
       notes_.say("connected to " + text(server_) + ", " + interpreter_.greeting());
       notes_.over("lost");
+      notes_.over("silent");
     }
     last_packet_ = now;
     notes_.over("silent", "the VRPN server is back");

@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "common/core/random.h"
-#include "mocap_bridge/sources/byte_writer.h"
 #include "mocap_bridge/sources/replay/replay.h"
 #include "mocap_bridge/sources/vrpn/parser.h"
 #include "tests/support/mocap_fixtures.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/tcp_capture.h"
 
 namespace roundabout::mocap_bridge {
 namespace {
@@ -174,36 +174,7 @@ class VrpnCapture : public testing::Test {
   }
 
   void add(const TcpSegment& segment) {
-    LittleEndianWriter block;
-    BigEndianWriter frame;
-    frame.put<std::uint32_t>(0x45000000U + static_cast<std::uint32_t>(40 + segment.payload.size()));
-    frame.put<std::uint32_t>(0);
-    frame.put<std::uint32_t>(0x40060000);
-    frame.put(segment.from_address);
-    frame.put(segment.to_address);
-    frame.put(segment.from_port);
-    frame.put(segment.to_port);
-    frame.put(segment.sequence);
-    frame.put<std::uint32_t>(0);
-    frame.put<std::uint8_t>(0x50);
-    frame.put<std::uint8_t>(
-        static_cast<std::uint8_t>((segment.syn ? 0x02 : 0) | (segment.ack ? 0x10 : 0)));
-    frame.put<std::uint16_t>(1000);
-    frame.put<std::uint32_t>(0);
-    frame.put(segment.payload);
-    const core::Utime arrival = kBegin + 5000 * poses_ + 1000;
-    block.put<std::uint32_t>(6);
-    const auto padded = static_cast<std::uint32_t>((frame.size() + 3) / 4 * 4);
-    block.put<std::uint32_t>(32 + padded);
-    block.put<std::uint32_t>(0);
-    block.put(stamps_high_.value_or(static_cast<std::uint32_t>(arrival >> 32)));
-    block.put(static_cast<std::uint32_t>(arrival));
-    block.put(static_cast<std::uint32_t>(frame.size()));
-    block.put(static_cast<std::uint32_t>(frame.size()));
-    block.put(Bytes(frame.bytes()));
-    block.resize(28 + padded);
-    block.put<std::uint32_t>(32 + padded);
-    capture_ = capture_ + block.bytes();
+    capture_.add(segment, kBegin + 5000 * poses_ + 1000, stamps_high_);
   }
   // The next packets bear a stamp that no clock shows.
   void breakTheClock() { stamps_high_ = 0xffff'ffffU; }
@@ -216,17 +187,11 @@ class VrpnCapture : public testing::Test {
 
   /// What a replay of the capture shows, as fast as it goes.
   test::Collected replay(const std::string& protocol = "vrpn") {
-    LittleEndianWriter file;
-    for (const std::uint32_t word : {0x0a0d0d0aU, 28U, 0x1a2b3c4dU, 1U, 0xffffffffU, 0xffffffffU,
-                                     28U, 1U, 20U, 101U, 0U, 20U}) {
-      file.put(word);
-    }
-    file.put(Bytes(capture_));
     const test::ScratchFolder scratch;
     const std::string path = scratch.file("capture.pcapng");
     std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(file.bytes().data()),
-               static_cast<std::streamsize>(file.size()));
+        .write(reinterpret_cast<const char*>(capture_.bytes().data()),
+               static_cast<std::streamsize>(capture_.bytes().size()));
     config::Mocap mocap;
     mocap.protocol = protocol;
     mocap.file = path;
@@ -247,7 +212,7 @@ class VrpnCapture : public testing::Test {
  private:
   int poses_ = 0;
   std::optional<std::uint32_t> stamps_high_;
-  Buffer capture_;
+  test::TcpCapture capture_;
 };
 
 TEST_F(VrpnCapture, OfTwoConnectionsEachHasIdsOfItsOwn) {
