@@ -17,4 +17,15 @@ std::string fileTail(const std::filesystem::path& file, std::size_t bytes) {
   return tail;
 }
 
+std::vector<std::string> FileFollower::newLines() {
+  std::vector<std::string> lines;
+  std::ifstream stream(file_, std::ios::binary);
+  stream.seekg(read_);
+  for (std::string line; std::getline(stream, line) && !stream.eof();) {
+    read_ = stream.tellg();
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 }  // namespace roundabout::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <sstream>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -22,6 +23,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kStep(20);
 constexpr milliseconds kExitLimit(2000);
 constexpr double kLandingRepeat_s = 1.0;
+constexpr double kLogPeriod_s = 0.2;
 constexpr double kLockstepLanding_s = 10.0;
 constexpr std::size_t kLinesShown = 5;
 constexpr int kRefusedToStart = 2;
@@ -111,6 +113,7 @@ void Supervisor::startStates() {
               std::to_string(experiment.mocap.data_port)});
   }
   start(Role::kMocap, "mocap_bridge", "");
+  bridge_log_.emplace(plan_.folder / "logs" / "mocap_bridge.log");
   if (plan_.emulate_mocap) {
     start(Role::kSim, "sim", "", {"--scene"});
   }
@@ -149,6 +152,7 @@ FlightResult Supervisor::run() {
 void Supervisor::listen() {
   try {
     bus_.handle(kStep);
+    showBridgeWarnings();
     reap();
     if (flying() && console_.progressDue()) {
       console_.progress(describe(monitor_->progress(), wallSeconds() - *first_state_s_));
@@ -239,6 +243,22 @@ void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
                      consequence(child.role)));
   for (const std::string& line : lines) {
     console_.say("    " + line);
+  }
+}
+
+void Supervisor::showBridgeWarnings() {
+  const double now_s = wallSeconds();
+  if (!bridge_log_ || now_s - bridge_log_read_s_ < kLogPeriod_s) {
+    return;
+  }
+  bridge_log_read_s_ = now_s;
+  for (const std::string& line : bridge_log_->newLines()) {
+    std::istringstream words(line);
+    std::string time, name, level, text;
+    words >> time >> name >> level >> std::ws;
+    if ((level == "warning" || level == "error") && std::getline(words, text)) {
+      console_.say(name + ": " + text);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/file_tail.h"
 #include "cli/flight_director.h"
 #include "cli/flight_monitor.h"
 #include "cli/process.h"
@@ -80,6 +81,8 @@ class Supervisor {
   void listen();
   Direction direct();
   void reap();
+  /// What the bridge warns of is the operator's to mend: no server, a body that is not streamed.
+  void showBridgeWarnings();
   void report(const std::string& event);
   std::string inTheUsersWords(std::string line) const;
   void reportEnd(const Child& child, const ExitStatus& status);
@@ -96,6 +99,8 @@ class Supervisor {
   std::unique_ptr<Recorder> recorder_;
   std::vector<std::unique_ptr<ChildProcess>> processes_;  ///< all but the recorder's
   std::vector<Child> children_;                           ///< in the order of their start
+  std::optional<FileFollower> bridge_log_;
+  double bridge_log_read_s_ = 0.0;
   double created_s_;
   std::optional<double> first_state_s_;
   std::optional<double> landing_ordered_s_;
