@@ -91,10 +91,12 @@ bool StateEstimator::isOthersPlace(std::size_t vehicle, const Eigen::Vector3d& p
       continue;
     }
     const double same_m = kSamePlace * std::min(radii_m_[vehicle], radii_m_[i]);
-    const double other_m = (*places_[i] - position_m).norm();
+    const double other_m2 = (*places_[i] - position_m).squaredNorm();
+    if (other_m2 >= same_m * same_m) {
+      continue;
+    }
     // Of a vehicle whose place is not known, only another's that is empty: it may stand on one.
-    const bool rather_there = own ? other_m < (*own - position_m).norm() : !isSeenAt(i, same_m);
-    if (other_m < same_m && rather_there) {
+    if (own ? other_m2 < (*own - position_m).squaredNorm() : !isSeenAt(i, same_m)) {
       return true;
     }
   }
