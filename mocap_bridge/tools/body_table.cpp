@@ -20,9 +20,14 @@ std::string since(core::Utime then, core::Utime now) {
 
 std::string vehicleOf(std::int64_t id, const std::string& name, const StateEstimator& estimator) {
   for (const StateEstimator::Vehicle& vehicle : estimator.vehicles()) {
-    if (config::matches(vehicle.key, name, id)) {
-      return fmt::format("{} ({})", vehicle.name, mocap_bridge::nameOf(vehicle.last));
+    if (!config::matches(vehicle.key, name, id)) {
+      continue;
     }
+    if (vehicle.rival) {
+      return fmt::format("{} and {}: neither is believed", vehicle.name,
+                         estimator.vehicles()[*vehicle.rival].name);
+    }
+    return fmt::format("{} ({})", vehicle.name, mocap_bridge::nameOf(vehicle.last));
   }
   return "-";
 }

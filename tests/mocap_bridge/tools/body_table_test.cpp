@@ -74,6 +74,12 @@ TEST_F(BodyTableTest, SaysWhichVehicleABodyIsByItsStreamingId) {
   EXPECT_THAT(shown, Not(HasSubstr("not streamed")));
 }
 
+TEST_F(BodyTableTest, SaysThatABodyIsTwoVehicles) {
+  experiment_.mocap.bodies = {{"hex2", "", 7, {}, {}}};
+  stream(1.0, {body("hex1", 7)});
+  EXPECT_THAT(text(), ContainsRegex("hex1 .* hex1 and hex2: neither is believed\n"));
+}
+
 TEST_F(BodyTableTest, ABodyWhoseNameComesLateStaysOneRow) {
   stream(0.5, {body("", 7)});
   stream(0.5, {body("hex1", 7)});
