@@ -27,19 +27,31 @@ bool clearOfObstacles(const config::Experiment& experiment, const Eigen::Vector2
   });
 }
 
+// Of a lab's file, simulated behind emulated motion capture, area and spacing were not checked when
+// it was read.
+bool isLabs(const config::Experiment& experiment) { return experiment.source != "sim"; }
+
+bool inRoom(const config::Experiment& experiment, const Eigen::Vector2d& place) {
+  const double wall_m = config::largestBodyRadiusM(experiment);
+  return ((place - experiment.room.min_m.head<2>()).array() >= wall_m).all() &&
+         ((experiment.room.max_m.head<2>() - place).array() >= wall_m).all();
+}
+
 std::optional<config::Start> drawPlace(const config::Experiment& experiment,
                                        const std::vector<Eigen::Vector2d>& taken,
                                        core::RandomStream& random) {
   const config::Sim& sim = experiment.sim;
+  const double spacing_m = isLabs(experiment)
+                               ? std::max(sim.start_spacing_m, config::goalSpacingM(experiment))
+                               : sim.start_spacing_m;
   for (int draw = 0; draw < kDrawsPerVehicle; ++draw) {
     const double x = random.uniform(sim.start_area.min_m.x(), sim.start_area.max_m.x());
     const double y = random.uniform(sim.start_area.min_m.y(), sim.start_area.max_m.y());
     const Eigen::Vector2d place(x, y);
-    if (std::all_of(taken.begin(), taken.end(),
-                    [&](const Eigen::Vector2d& other) {
-                      return (place - other).norm() >= sim.start_spacing_m;
-                    }) &&
-        clearOfObstacles(experiment, place)) {
+    if (std::all_of(
+            taken.begin(), taken.end(),
+            [&](const Eigen::Vector2d& other) { return (place - other).norm() >= spacing_m; }) &&
+        (!isLabs(experiment) || inRoom(experiment, place)) && clearOfObstacles(experiment, place)) {
       return config::Start{place, random.uniform(-std::numbers::pi, std::numbers::pi)};
     }
   }

@@ -73,6 +73,15 @@ TEST(StartPlaces, KeepClearOfObstacles) {
   }
 }
 
+TEST(StartPlaces, OfALabsFileLieInItsRoom) {
+  config::Experiment experiment = vehicles(4);
+  experiment.source = "natnet";
+  experiment.room = {{-3.0, -3.0, 0.0}, {3.0, 3.0, 3.0}};
+  for (const config::Start& start : startPlaces(experiment)) {
+    EXPECT_LE(start.position_m.cwiseAbs().maxCoeff(), 3.0 - 0.35);
+  }
+}
+
 TEST(StartPlaces, AreRefusedWhenTheyDoNotFit) {
   config::Experiment experiment = vehicles(6);
   experiment.sim.start_area = {{0.0, 0.0}, {1.0, 1.0}};

@@ -346,6 +346,11 @@ TEST(ConfigError, StartAreaOutsideTheRoom) {
             "3) less a body radius of 0.35 m, found [5, 2]");
 }
 
+TEST(ConfigError, WhereNothingIsSimulatedNoStartAreaIsAskedFor) {
+  EXPECT_EQ(errorBelow("source: natnet\nroom: {min_m: [-3, -3, 0], max_m: [3, 3, 3]}\n"),
+            "no error");
+}
+
 TEST(ConfigError, LandBeforeHold) {
   EXPECT_EQ(errorBelow("safety: {states_hold_s: 0.3, states_land_s: 0.2}\n"),
             "lab.yaml:2: safety.states_land_s: expected at least states_hold_s (0.3), found 0.2");
