@@ -39,7 +39,7 @@ Crowd::Crowd(const config::Experiment& experiment, std::span<const BodyState> st
   if (!settings_.recording.file.empty()) {
     recorded_.emplace(settings_.recording, experiment.file);
   }
-  collect(0.0);
+  collect(0.0, starts);
 }
 
 void Crowd::place(std::span<const BodyState> starts, const SteeringFactory& make_steering) {
@@ -79,15 +79,18 @@ std::optional<Vector2d> Crowd::freePlace(std::span<const BodyState> starts) {
                                   [&](const Walker& other) {
                                     return (other.person.position_m - place_m).norm() >= kApartM;
                                   }) &&
-                      std::all_of(starts.begin(), starts.end(), [&](const BodyState& vehicle) {
-                        return (vehicle.position_world_m.head<2>() - place_m).norm() >=
-                               settings_.clear_of_vehicles_m;
-                      });
+                      !besideAVehicle(place_m, starts);
     if (free) {
       return place_m;
     }
   }
   return std::nullopt;
+}
+
+bool Crowd::besideAVehicle(const Vector2d& place_m, std::span<const BodyState> bodies) const {
+  return std::any_of(bodies.begin(), bodies.end(), [&](const BodyState& vehicle) {
+    return (vehicle.position_world_m.head<2>() - place_m).norm() < settings_.clear_of_vehicles_m;
+  });
 }
 
 Vector2d Crowd::place() {
@@ -129,7 +132,7 @@ void Crowd::step(core::Utime now, double step_s, std::span<const BodyState> bodi
       chooseGoal(walker);
     }
   }
-  collect(core::toSeconds(now - first_utime_));
+  collect(core::toSeconds(now - first_utime_), bodies);
   for (std::size_t i = walkers_.size(); i < people_.size(); ++i) {
     walk(people_[i], step_s);
   }
@@ -185,7 +188,7 @@ void Crowd::decide(std::span<const BodyState> bodies) {
   }
 }
 
-void Crowd::collect(double seconds) {
+void Crowd::collect(double seconds, std::span<const BodyState> bodies) {
   // Heading and gait of a recorded person go on from the step before.
   std::vector<Pedestrian> before;
   if (people_.size() > walkers_.size()) {
@@ -206,6 +209,8 @@ void Crowd::collect(double seconds) {
     if (known != before.end()) {
       person.heading_rad = known->heading_rad;
       person.gait_rad = known->gait_rad;
+    } else if (besideAVehicle(person.position_m, bodies)) {
+      continue;
     } else {
       person.heading_rad = std::atan2(person.velocity_mps.y(), person.velocity_mps.x());
     }

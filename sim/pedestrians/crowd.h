@@ -16,8 +16,10 @@
 namespace roundabout::sim {
 
 /// Every pedestrian of an experiment: those who walk by a policy, numbered from 1, then the
-/// recorded ones, whose ids are kRecordedIds more than the recording's. Random numbers come from
-/// the stream "pedestrians" of the seed.
+/// recorded ones, whose ids are kRecordedIds more than the recording's. Nobody comes out of nothing
+/// within pedestrians.clear_of_vehicles_m of a vehicle: a recorded person whose track would begin
+/// there is left out until it is farther away. Random numbers come from the stream "pedestrians" of
+/// the seed.
 class Crowd {
  public:
   static constexpr std::int32_t kRecordedIds = 10'000;
@@ -50,7 +52,8 @@ class Crowd {
   void chooseGoal(Walker& walker);
   void decide(std::span<const BodyState> bodies);
   void exchangeRoles();
-  void collect(double seconds);
+  void collect(double seconds, std::span<const BodyState> bodies);
+  bool besideAVehicle(const Eigen::Vector2d& place_m, std::span<const BodyState> bodies) const;
 
   const config::Pedestrians settings_;
   const std::string file_;

@@ -1,7 +1,9 @@
 // People: how they walk, who is recorded, whom they meet.
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -227,6 +229,31 @@ TEST_F(RecordingTest, PeoplePassTheirPlacesAndNobodyComesOutOfNothing) {
   EXPECT_EQ(people_[0].position_m, Vector2d(9.0, 9.0));
   recorded.at(20.0, people_);
   EXPECT_TRUE(people_.empty());
+}
+
+// The first walks up to the robot. The track of the second begins half a metre beside it.
+TEST_F(RecordingTest, NobodyComesOutOfNothingBesideAVehicle) {
+  config::Experiment experiment = room(0);
+  experiment.pedestrians.recording.file =
+      write("0 1 -4 0 0 0 0 0\n60 1 -8 0 0 0 0 0\n105 2 -8 0 1.5 0 0 0\n135 2 -8 0 1.9 0 0 0\n");
+  World world(experiment, kBegin);
+  const Vector2d robot_m(-8.0, 0.0);
+  std::map<std::int32_t, double> appeared_m;
+  std::map<std::int32_t, double> nearest_m;
+  for (int i = 0; i < std::lround(8.0 / kStepS); ++i) {
+    world.step();
+    for (const Pedestrian& person : world.people()) {
+      const double distance_m = (person.position_m - robot_m).norm();
+      appeared_m.try_emplace(person.id, distance_m);
+      nearest_m.try_emplace(person.id, distance_m);
+      nearest_m[person.id] = std::min(nearest_m[person.id], distance_m);
+    }
+  }
+  ASSERT_EQ(appeared_m.size(), 2u);
+  for (const auto& [id, distance_m] : appeared_m) {
+    EXPECT_GE(distance_m, experiment.pedestrians.clear_of_vehicles_m) << id;
+  }
+  EXPECT_LT(nearest_m[Crowd::kRecordedIds + 1], 0.1) << "who is there may come near";
 }
 
 TEST_F(RecordingTest, VelocityIsTheDerivativeOfThePlace) {
