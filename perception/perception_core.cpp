@@ -20,6 +20,9 @@ constexpr double kBeginning_s = 0.3;
 // More wait only while poses are missing.
 constexpr std::size_t kMostWaiting = 16;
 constexpr std::size_t kMostLooking = 8;
+constexpr std::size_t kMostDepths = 32;
+// What depth cameras see so near to an agent's body is a part of it, or of what it carries.
+constexpr double kAroundAgent_m = 0.2;
 // Beams without an echo clear the map up to here.
 constexpr double kFreeRange_m = 6.0;
 // A track nearer than this to another vehicle's middle is that vehicle.
@@ -141,33 +144,59 @@ const char* PerceptionCore::onScan(const core::LaserScan& scan) {
   return nullptr;
 }
 
-const char* PerceptionCore::onImage(std::size_t camera, const core::JpegImage& image) {
+const char* PerceptionCore::judgeImage(std::size_t camera, core::Utime exposure, int width,
+                                       int height) {
   const config::Camera& settings = vehicle_.cameras[camera];
-  if (image.width != settings.width || image.height != settings.height) {
+  if (width != settings.width || height != settings.height) {
     ++rejected_.images;
     return "another size than its camera's in the experiment file";
   }
+  if (exposure <= last_image_[camera] && last_image_[camera] - exposure < core::kFarAhead) {
+    ++rejected_.images;
+    return "its time stamp is old";
+  }
+  last_image_[camera] = exposure;
+  return nullptr;
+}
+
+bool PerceptionCore::isDue(std::size_t camera, core::Utime exposure) {
+  const core::Utime period = core::toUtime(experiment_.perception.image_period_s);
+  return exposure / period != std::exchange(newest_image_[camera], exposure) / period;
+}
+
+const char* PerceptionCore::onImage(std::size_t camera, const core::JpegImage& image) {
   if (const auto size = jpegSize(image.jpeg);
       size && *size != PictureSize{image.width, image.height}) {
     ++rejected_.images;
     return "its JPEG is of another size than it says";
   }
-  if (image.utime <= last_image_[camera] && last_image_[camera] - image.utime < core::kFarAhead) {
-    ++rejected_.images;
-    return "its time stamp is old";
+  if (const char* reason = judgeImage(camera, image.utime, image.width, image.height)) {
+    return reason;
   }
-  last_image_[camera] = image.utime;
-  const core::Utime period = core::toUtime(experiment_.perception.image_period_s);
-  if (!detector_ || looking_.size() >= kMostLooking ||
-      (image.utime / period == newest_image_[camera] / period)) {
+  if (!detector_ || looking_.size() >= kMostLooking || !isDue(camera, image.utime)) {
     return nullptr;
   }
-  newest_image_[camera] = image.utime;
   looking_.push_back(
       {camera, image.utime, std::async(std::launch::async, [this, jpeg = image.jpeg] {
          const std::lock_guard one_at_a_time(detector_mutex_);
          return detector_->detect(jpeg);
        })});
+  return nullptr;
+}
+
+const char* PerceptionCore::onDepths(std::size_t camera, const core::DepthImage& image) {
+  if (const char* reason = judgeImage(camera, image.utime, image.width, image.height)) {
+    return reason;
+  }
+  if (!isDue(camera, image.utime)) {
+    return nullptr;
+  }
+  waiting_depths_.push_back({camera, image});
+  if (waiting_depths_.size() > kMostDepths) {
+    waiting_depths_.pop_front();
+    ++rejected_.images;
+    return "there is no scan of its time";
+  }
   return nullptr;
 }
 
@@ -217,6 +246,7 @@ void PerceptionCore::useScan(const core::LaserScan& scan, const PlanarPose& begi
   many_unusable_ = unusable > kManyUnusable * static_cast<double>(scan.ranges_m.size());
   markVehicles();
   useBoxes(scan.utime);
+  useDepths(scan.utime);
   core::AgentTracks& tracks = tracks_out_.emplace_back();
   tracks.utime = scan.utime;
   tracks.vehicle = vehicle_.name;
@@ -244,14 +274,53 @@ void PerceptionCore::useBoxes(core::Utime now) {
   }
 }
 
+void PerceptionCore::useDepths(core::Utime now) {
+  const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
+  const core::Utime believed_from = first_used_scan_ + core::toUtime(kBeginning_s);
+  while (!waiting_depths_.empty() && waiting_depths_.front().image.utime + delay <= now) {
+    Depths depths = std::move(waiting_depths_.front());
+    waiting_depths_.pop_front();
+    const core::Utime exposure = depths.image.utime;
+    const std::optional<PlanarPose> pose = poses_.at(exposure);
+    if (!pose) {
+      ++rejected_.images;
+    } else if (exposure >= believed_from && views_.size() < kMostDepths) {
+      views_.push_back({std::move(depths.image), vehicle_.cameras[depths.camera], *pose,
+                        agentsAt(exposure, now)});
+    }
+  }
+}
+
+/// Everybody who may be an agent, and other vehicles, where they were a moment ago.
+std::vector<KeptOut> PerceptionCore::agentsAt(core::Utime utime, core::Utime now) const {
+  const double ago_s = core::toSeconds(now - utime);
+  std::vector<KeptOut> agents;
+  for (const Track& track : finder_.tracker().all()) {
+    const double radius_m = std::max(experiment_.perception.person_radius_m, track.half_width_m);
+    agents.push_back(
+        {track.filter.position() - ago_s * track.filter.velocity(), radius_m + kAroundAgent_m});
+  }
+  for (const core::VehicleState& other : others_) {
+    agents.push_back({other.position_world_m.head<2>() - ago_s * other.velocity_world_mps.head<2>(),
+                      kAtVehicle_m + kAroundAgent_m});
+  }
+  return agents;
+}
+
 void PerceptionCore::updateMap(core::Utime now) {
   if (!map_timer_.due(now)) {
     return;
   }
   waitForMap();
   mapping_ = std::async(std::launch::async, [this, now, publish = publish_timer_.due(now),
-                                             update = mapUpdateOf(finder_, kFreeRange_m)] {
+                                             update = mapUpdateOf(finder_, kFreeRange_m),
+                                             views = std::exchange(views_, {})] {
+    const config::Perception& settings = experiment_.perception;
     mapper_.insert(update);
+    for (const DepthView& view : views) {
+      mapper_.insert(depthUpdateOf(view, {settings.depth_lowest_m, settings.depth_highest_m},
+                                   settings.map_resolution_m));
+    }
     Mapped mapped{mapper_.cells(), {}};
     if (publish) {
       mapped.map = core::OccupancyMap{now, vehicle_.name, experiment_.perception.map_resolution_m,
@@ -304,7 +373,7 @@ void PerceptionCore::judgeHealth(core::AgentTracks& tracks) const {
   }
   for (std::size_t i = 0; i < vehicle_.cameras.size(); ++i) {
     const config::Camera& camera = vehicle_.cameras[i];
-    if (detector_ &&
+    if ((detector_ || camera.depth) &&
         core::toSeconds(tracks.utime - last_image_[i]) > kSilentPeriods / camera.rate_hz) {
       tracks.health = core::PerceptionHealth::kDegraded;
       tracks.reason = fmt::format("camera {} is silent", camera.name);
@@ -319,6 +388,8 @@ void PerceptionCore::forget() {
   finder_.forget();
   waiting_.clear();
   looking_.clear();
+  waiting_depths_.clear();
+  views_.clear();
   boxes_.clear();
   last_used_scan_ = 0;
   first_used_scan_ = 0;

@@ -25,10 +25,10 @@
 namespace roundabout::perception {
 
 /// One vehicle's perception without wires. Time is the data's: a sweep is used as soon as a pose
-/// from after it is known, boxes count from perception.image_delay_s after their exposure, and a
-/// map's cells from one insertion to the next. So the order in which messages of different channels
-/// arrive changes nothing, and neither does how long detector and map take: they work beside, and
-/// are waited for when their time has come.
+/// from after it is known, boxes and depths count from perception.image_delay_s after their
+/// exposure, and a map's cells from one insertion to the next. So the order in which messages of
+/// different channels arrive changes nothing, and neither does how long detector and map take: they
+/// work beside, and are waited for when their time has come.
 class PerceptionCore {
  public:
   /// detector: nullptr: images are not looked at. Throws core::StartupError if the experiment has
@@ -41,6 +41,7 @@ class PerceptionCore {
   const char* onFrame(const core::StatesFrame& frame);
   const char* onScan(const core::LaserScan& scan);
   const char* onImage(std::size_t camera, const core::JpegImage& image);
+  const char* onDepths(std::size_t camera, const core::DepthImage& image);
   /// What could not even be decoded.
   void onBrokenScan() { ++rejected_.scans; }
   void onBrokenImage() { ++rejected_.images; }
@@ -68,6 +69,11 @@ class PerceptionCore {
     std::future<std::optional<std::vector<PersonBox>>> boxes;
   };
 
+  struct Depths {  // that wait until they count
+    std::size_t camera;
+    core::DepthImage image;
+  };
+
   struct Mapped {
     std::shared_ptr<const StaticCells> cells;
     std::optional<core::OccupancyMap> map;
@@ -75,7 +81,12 @@ class PerceptionCore {
 
   void useScans();
   void useScan(const core::LaserScan& scan, const PlanarPose& begin, const PlanarPose& end);
+  const char* judgeImage(std::size_t camera, core::Utime exposure, int width, int height);
+  /// Whether it is time to look at a camera's image again; from then on it is not.
+  bool isDue(std::size_t camera, core::Utime exposure);
   void useBoxes(core::Utime now);
+  void useDepths(core::Utime now);
+  std::vector<KeptOut> agentsAt(core::Utime utime, core::Utime now) const;
   void updateMap(core::Utime now);
   void waitForMap();
   void markVehicles();
@@ -99,6 +110,8 @@ class PerceptionCore {
   ScanGate scans_;
   PoseHistory poses_;
   std::deque<core::LaserScan> waiting_;
+  std::deque<Depths> waiting_depths_;
+  std::vector<DepthView> views_;           // that go into the map with the next scan that does
   std::vector<core::Utime> newest_image_;  // of each camera: looked at
   std::vector<core::Utime> last_image_;    // of each camera: heard
   std::vector<core::VehicleState> others_;

@@ -54,16 +54,27 @@ void PerceptionNode::subscribe() {
 }
 
 void PerceptionNode::subscribeCamera(std::size_t camera) {
+  if (core_.vehicle().cameras[camera].depth) {
+    subscribeImages<core::DepthImage>(camera, &PerceptionCore::onDepths);
+  } else {
+    subscribeImages<core::JpegImage>(camera, &PerceptionCore::onImage);
+  }
+}
+
+template <class Image>
+void PerceptionNode::subscribeImages(std::size_t camera,
+                                     const char* (PerceptionCore::*on_image)(std::size_t,
+                                                                             const Image&)) {
   const std::string channel =
       bus::imageChannel(core_.vehicle().name, core_.vehicle().cameras[camera].name);
   bus::subscribe<roundabout_msgs::image_t>(
       bus_, channel,
-      [this, channel, camera,
-       image = core::JpegImage()](const roundabout_msgs::image_t& message) mutable {
+      [this, channel, camera, on_image,
+       image = Image()](const roundabout_msgs::image_t& message) mutable {
         if (const char* reason = bus::fromMessage(message, image)) {
           core_.onBrokenImage();
           logRejection(channel, reason);
-        } else if (const char* refusal = core_.onImage(camera, image)) {
+        } else if (const char* refusal = (core_.*on_image)(camera, image)) {
           logRejection(channel, refusal);
         }
       },

@@ -28,6 +28,9 @@ class PerceptionNode {
  private:
   void subscribe();
   void subscribeCamera(std::size_t camera);
+  template <class Image>
+  void subscribeImages(std::size_t camera,
+                       const char* (PerceptionCore::*on_image)(std::size_t, const Image&));
   /// Publishes what the core has to say after a message that took since `begin`.
   void publish(std::chrono::steady_clock::time_point begin);
   void logRejection(std::string_view channel, const char* reason);

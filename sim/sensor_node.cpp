@@ -1,6 +1,7 @@
 #include "sim/sensor_node.h"
 
 #include <utility>
+#include <variant>
 
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
@@ -77,8 +78,9 @@ void SensorNode::publish() {
                  bus::toMessage(reading.odometry));
   }
   for (const Cameras::Shot& shot : std::exchange(shots_, {})) {
-    bus::publish(bus_, bus::imageChannel(vehicles[shot.vehicle].name, shot.camera),
-                 bus::toMessage(shot.image));
+    const auto message =
+        std::visit([](const auto& image) { return bus::toMessage(image); }, shot.image);
+    bus::publish(bus_, bus::imageChannel(vehicles[shot.vehicle].name, shot.camera), message);
   }
   for (const LaserScanners::Sweep& sweep : std::exchange(sweeps_, {})) {
     bus::publish(bus_, bus::laserScanChannel(vehicles[sweep.vehicle].name),

@@ -7,6 +7,7 @@
 
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
+#include "common/config/obstacles.h"
 
 namespace roundabout::sim {
 
@@ -129,8 +130,9 @@ void SimNode::logNewContacts() {
     const Contact& contact = contacts[logged_contacts_];
     spdlog::warn("{} and {} touch {:.2f} s after the first frame",
                  experiment_.vehicles[contact.first].name,
-                 contact.with_obstacle ? "obstacle " + experiment_.obstacles[contact.second].name
-                                       : experiment_.vehicles[contact.second].name,
+                 contact.with_obstacle
+                     ? "obstacle " + config::standingInSim(experiment_)[contact.second].name
+                     : experiment_.vehicles[contact.second].name,
                  core::toSeconds(contact.begin - first_utime_));
   }
   const auto encounters = world_.encounters().all();

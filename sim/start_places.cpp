@@ -21,7 +21,10 @@ constexpr int kLayouts = 200;
 constexpr int kDrawsPerVehicle = 200;
 
 bool clearOfObstacles(const config::Experiment& experiment, const Eigen::Vector2d& place) {
-  const std::vector<core::Polygon> places = config::placesToAvoid(experiment);
+  std::vector<core::Polygon> places = config::placesToAvoid(experiment);
+  for (const config::Clutter& clutter : experiment.sim.clutter) {
+    places.push_back(clutter.points_m);
+  }
   return std::all_of(places.begin(), places.end(), [&](const core::Polygon& polygon_m) {
     return core::distanceTo(polygon_m, place) >= config::obstacleSpacingM(experiment);
   });

@@ -29,7 +29,7 @@ World::World(const config::Experiment& experiment, core::Utime start_utime,
       vehicles_(vehiclesOf(experiment)),
       bodies_(bodiesOf(vehicles_)),
       wheels_(vehicles_.size()),
-      contacts_(bodyRadii(experiment), config::outlinesOf(experiment.obstacles)),
+      contacts_(bodyRadii(experiment), config::outlinesOf(config::standingInSim(experiment))),
       crowd_(experiment, bodies_, make_steering ? make_steering : bySocialForce, start_utime),
       encounters_(bodyRadii(experiment), experiment.pedestrians.body_radius_m) {}
 

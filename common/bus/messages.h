@@ -54,6 +54,7 @@ roundabout_msgs::safety_order_t toMessage(const core::SafetyOrder& order);
 roundabout_msgs::planar_lidar_t toMessage(const core::LaserScan& scan);
 roundabout_msgs::agent_tracks_t toMessage(const core::AgentTracks& tracks);
 roundabout_msgs::image_t toMessage(const core::JpegImage& image);
+roundabout_msgs::image_t toMessage(const core::DepthImage& image);
 roundabout_msgs::occupancy_t toMessage(const core::OccupancyMap& map);
 roundabout_msgs::odometry_t toMessage(const core::Odometry& odometry);
 
@@ -83,6 +84,8 @@ const char* fromMessage(const roundabout_msgs::agent_tracks_t& message, core::Ag
 inline constexpr std::size_t kMostImageBytes = 60'000;
 /// Not a JPEG, or a size that no camera has. Whether the JPEG can be decoded is seen when it is.
 const char* fromMessage(const roundabout_msgs::image_t& message, core::JpegImage& image);
+/// Not 16 bits of grey a pixel, a size that no camera has, or rows that are not width pixels long.
+const char* fromMessage(const roundabout_msgs::image_t& message, core::DepthImage& image);
 const char* fromMessage(const roundabout_msgs::occupancy_t& message, core::OccupancyMap& map);
 const char* fromMessage(const roundabout_msgs::odometry_t& message, core::Odometry& odometry);
 

@@ -24,6 +24,11 @@ void copyTo(double (&target)[2], const Eigen::Vector2d& source) {
   target[1] = source.y();
 }
 
+bool isCameraSize(const roundabout_msgs::image_t& message) {
+  return message.width >= 1 && message.height >= 1 && message.width <= kMostPixelsPerSide &&
+         message.height <= kMostPixelsPerSide;
+}
+
 bool isUsable(const roundabout_msgs::agent_track_t& track) {
   const double values[] = {
       track.confidence,  track.position[0], track.position[1],        track.velocity[0],
@@ -128,8 +133,7 @@ const char* fromMessage(const roundabout_msgs::image_t& message, core::JpegImage
   if (message.pixelformat != roundabout_msgs::image_t::PIXEL_FORMAT_MJPEG) {
     return "not a JPEG";
   }
-  if (message.width < 1 || message.height < 1 || message.width > kMostPixelsPerSide ||
-      message.height > kMostPixelsPerSide) {
+  if (!isCameraSize(message)) {
     return "a size that no camera has";
   }
   if (message.data.size() < std::size(kJpegStart) ||
@@ -140,6 +144,49 @@ const char* fromMessage(const roundabout_msgs::image_t& message, core::JpegImage
   image.width = message.width;
   image.height = message.height;
   image.jpeg = message.data;
+  return nullptr;
+}
+
+roundabout_msgs::image_t toMessage(const core::DepthImage& image) {
+  roundabout_msgs::image_t message;
+  message.utime = image.utime;
+  message.width = image.width;
+  message.height = image.height;
+  message.row_stride = 2 * image.width;
+  message.pixelformat = roundabout_msgs::image_t::PIXEL_FORMAT_LE_GRAY16;
+  message.size = static_cast<std::int32_t>(2 * image.depth_mm.size());
+  message.data.reserve(2 * image.depth_mm.size());
+  for (const std::uint16_t depth_mm : image.depth_mm) {
+    message.data.push_back(static_cast<std::uint8_t>(depth_mm & 0xFFU));
+    message.data.push_back(static_cast<std::uint8_t>(depth_mm >> 8));
+  }
+  message.nmetadata = 0;
+  return message;
+}
+
+const char* fromMessage(const roundabout_msgs::image_t& message, core::DepthImage& image) {
+  if (message.pixelformat != roundabout_msgs::image_t::PIXEL_FORMAT_LE_GRAY16) {
+    return "not a depth picture (16 bits of grey a pixel, little-endian)";
+  }
+  if (!isCameraSize(message)) {
+    return "a size that no camera has";
+  }
+  if (message.row_stride != 2 * message.width) {
+    return "rows that are not two bytes a pixel long";
+  }
+  const auto pixels =
+      static_cast<std::size_t>(message.width) * static_cast<std::size_t>(message.height);
+  if (message.data.size() != 2 * pixels) {
+    return "another number of bytes than its rows have";
+  }
+  image.utime = message.utime;
+  image.width = message.width;
+  image.height = message.height;
+  image.depth_mm.resize(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    image.depth_mm[i] =
+        static_cast<std::uint16_t>(message.data[2 * i] | (message.data[2 * i + 1] << 8));
+  }
   return nullptr;
 }
 

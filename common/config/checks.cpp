@@ -119,6 +119,20 @@ void checkStart(const Experiment& experiment, std::size_t i, const Refuse& refus
   }
 }
 
+void checkDepth(const Camera& camera, const std::string& path, const Refuse& refuse) {
+  constexpr int kMostBytes = 60'000;  // bus::kMostImageBytes
+  if (!camera.depth) {
+    return;
+  }
+  expectOrder(path + ".depth.farthest_m", camera.depth->farthest_m, "nearest_m",
+              camera.depth->nearest_m, refuse);
+  if (2 * camera.width * camera.height > kMostBytes) {
+    refuse(path + ".width",
+           fmt::format("a depth picture of at most {} bytes, two a pixel (160 x 120)", kMostBytes),
+           fmt::format("{} x {}", camera.width, camera.height));
+  }
+}
+
 void checkVehicle(const Experiment& experiment, std::size_t i, const Refuse& refuse) {
   const Room& room = experiment.room;
   const Vehicle& vehicle = experiment.vehicles[i];
@@ -141,6 +155,7 @@ void checkVehicle(const Experiment& experiment, std::size_t i, const Refuse& ref
            fmt::format("{}", vehicle.lidar->sweep_s));
   }
   for (std::size_t j = 0; j < vehicle.cameras.size(); ++j) {
+    checkDepth(vehicle.cameras[j], fmt::format("{}.cameras[{}]", path, j), refuse);
     for (std::size_t k = 0; k < j; ++k) {
       if (vehicle.cameras[j].name == vehicle.cameras[k].name) {
         refuse(fmt::format("{}.cameras[{}].name", path, j), "a name of its own",
@@ -208,6 +223,8 @@ void checkPedestrians(const Experiment& experiment, const Refuse& refuse) {
 }
 
 void checkPerception(const Experiment& experiment, const Refuse& refuse) {
+  expectOrder("perception.depth_highest_m", experiment.perception.depth_highest_m, "depth_lowest_m",
+              experiment.perception.depth_lowest_m, refuse);
   const bool used =
       std::any_of(experiment.vehicles.begin(), experiment.vehicles.end(),
                   [&](const Vehicle& vehicle) { return seesForItself(experiment, vehicle); });

@@ -38,6 +38,14 @@ struct Lidar {
   double sweep_s = 0.0;          ///< from the first beam to the last; a scan's utime is the last's
 };
 
+/// How a camera measures depth: along its optical axis, in whole millimetres.
+struct DepthSensing {
+  double nearest_m = 0.3;      ///< nothing nearer is measured
+  double farthest_m = 4.0;     ///< and nothing farther
+  double noise_per_m = 0.002;  ///< standard deviation of a depth, divided by the depth's square
+  double missed_share = 0.0;   ///< of the pixels that see something and say nothing
+};
+
 /// A camera on a vehicle. Its image plane is upright; undistorted.
 struct Camera {
   std::string name = "front";      ///< letters, digits and underscore; its own on the vehicle
@@ -47,6 +55,7 @@ struct Camera {
   double heading_rad = 0.0;        ///< from the vehicle's, counter-clockwise
   double height_m = 0.5;           ///< of the lens above the floor
   double rate_hz = 5.0;
+  std::optional<DepthSensing> depth;  ///< nothing: its pictures are in colour
 };
 
 struct Vehicle {
@@ -144,6 +153,14 @@ struct Push {
   Eigen::Vector2d acceleration_mps2{0.0, 0.0};  ///< added to the vehicle's, world frame
 };
 
+/// What stands or hangs in the simulator's room, and no vehicle is told of: a prism.
+struct Clutter {
+  std::string name;                       ///< letters, digits and underscore
+  std::vector<Eigen::Vector2d> points_m;  ///< corners of a simple polygon; world
+  double bottom_m = 0.0;                  ///< above the floor
+  double top_m = 0.2;                     ///< above the floor
+};
+
 struct Sim {
   std::string pacing = "lockstep";  ///< lockstep or real_time
   double step_s = 0.005;            ///< of the physics; divides the frame interval
@@ -163,6 +180,7 @@ struct Sim {
       0.3;  ///< without a valid command for this long the vehicle holds by itself
   double command_land_s = 1.0;  ///< and for this long it lands by itself
   std::vector<Push> pushes;
+  std::vector<Clutter> clutter;
 };
 
 struct Orca {
@@ -345,7 +363,9 @@ struct Perception {
   std::string detector = "hog";      ///< of people in images: hog, none, or the path of a model
   double detector_confidence = 0.5;  ///< boxes below are no people
   double image_period_s = 0.2;       ///< of each camera; images between are not looked at
-  double image_delay_s = 0.3;        ///< boxes count from so long after the exposure
+  double image_delay_s = 0.3;        ///< boxes and depths count from so long after the exposure
+  double depth_lowest_m = 0.06;      ///< what depth cameras see between this height above the floor
+  double depth_highest_m = 0.8;      ///< and this one stands in the way
 };
 
 struct NamedPoints {

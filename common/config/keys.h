@@ -47,6 +47,14 @@ void describe(Visitor& visit, Lidar& lidar) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, DepthSensing& depth) {
+  visit("nearest_m", depth.nearest_m, between(0.0, 65.0));
+  visit("farthest_m", depth.farthest_m, between(0.1, 65.0));
+  visit("noise_per_m", depth.noise_per_m, between(0.0, 0.1));
+  visit("missed_share", depth.missed_share, between(0.0, 1.0));
+}
+
+template <class Visitor>
 void describe(Visitor& visit, Camera& camera) {
   visit("name", camera.name, identifier());
   visit("width", camera.width, between(16.0, 4096.0));
@@ -55,6 +63,7 @@ void describe(Visitor& visit, Camera& camera) {
   visit("heading_rad", camera.heading_rad);
   visit("height_m", camera.height_m, above(0.0));
   visit("rate_hz", camera.rate_hz, above(0.0));
+  visit("depth", camera.depth);
 }
 
 template <class Visitor>
@@ -228,6 +237,14 @@ void describe(Visitor& visit, Push& push) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, Clutter& clutter) {
+  visit("name", clutter.name, identifier());
+  visit("points_m", clutter.points_m);
+  visit("bottom_m", clutter.bottom_m, atLeast(0.0));
+  visit("top_m", clutter.top_m, above(0.0));
+}
+
+template <class Visitor>
 void describe(Visitor& visit, Sim& sim) {
   visit("pacing", sim.pacing, oneOf({"lockstep", "real_time"}));
   // A finer one is no physics: it only makes the simulator slow, and its memory large.
@@ -245,6 +262,7 @@ void describe(Visitor& visit, Sim& sim) {
   visit("command_hold_s", sim.command_hold_s, above(0.0));
   visit("command_land_s", sim.command_land_s, above(0.0));
   visit("pushes", sim.pushes);
+  visit("clutter", sim.clutter);
 }
 
 template <class Visitor>
@@ -338,6 +356,8 @@ void describe(Visitor& visit, Perception& perception) {
   visit("detector_confidence", perception.detector_confidence, between(0.0, 1.0));
   visit("image_period_s", perception.image_period_s, above(0.0));
   visit("image_delay_s", perception.image_delay_s, between(0.0, 5.0));
+  visit("depth_lowest_m", perception.depth_lowest_m, between(0.01, 10.0));
+  visit("depth_highest_m", perception.depth_highest_m, between(0.02, 10.0));
 }
 
 template <class Visitor>

@@ -24,6 +24,14 @@ void describe(Visitor& visit, ObstacleFile& file) {
   visit("obstacles", file.obstacles);
 }
 
+std::vector<Obstacle> outlinesOf(const std::vector<Clutter>& clutter) {
+  std::vector<Obstacle> outlines;
+  for (const Clutter& each : clutter) {
+    outlines.push_back({each.name, each.points_m});
+  }
+  return outlines;
+}
+
 void checkInRoom(const Room& room, const Obstacle& obstacle, const std::string& path,
                  const Refuse& refuse) {
   for (std::size_t i = 0; i < obstacle.points_m.size(); ++i) {
@@ -102,6 +110,24 @@ void checkObstacles(const Experiment& experiment, const Refuse& refuse) {
   };
   check(experiment.obstacles, "obstacles", "obstacle");
   check(experiment.no_fly_zones, "no_fly_zones", "no-fly zone");
+  check(outlinesOf(experiment.sim.clutter), "sim.clutter", "clutter");
+  for (std::size_t i = 0; i < experiment.sim.clutter.size(); ++i) {
+    const Clutter& clutter = experiment.sim.clutter[i];
+    if (clutter.top_m <= clutter.bottom_m) {
+      refuse(fmt::format("sim.clutter[{}].top_m", i),
+             fmt::format("more than bottom_m ({})", clutter.bottom_m),
+             fmt::format("{}", clutter.top_m));
+    }
+  }
+}
+
+std::vector<Obstacle> standingInSim(const Experiment& experiment) {
+  std::vector<Obstacle> standing = experiment.obstacles;
+  for (Obstacle& clutter : outlinesOf(experiment.sim.clutter)) {
+    standing.push_back(std::move(clutter));
+  }
+  orientObstacles(standing);
+  return standing;
 }
 
 std::vector<core::Polygon> placesToAvoid(const Experiment& experiment) {

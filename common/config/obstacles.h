@@ -16,8 +16,9 @@ void orientObstacles(std::vector<Obstacle>& obstacles);
 void checkOutlines(const std::vector<Obstacle>& obstacles, const std::string& key,
                    const Refuse& refuse);
 
-/// Refuses obstacles and no-fly zones without a name of their own, that are no simple polygons, or
-/// that reach out of the room, and starting places too close to one (obstacleSpacingM).
+/// Refuses obstacles, no-fly zones and clutter without a name of their own, that are no simple
+/// polygons, or that reach out of the room, and starting places too close to one
+/// (obstacleSpacingM).
 void checkObstacles(const Experiment& experiment, const Refuse& refuse);
 
 /// Obstacles that stand in no experiment: a YAML file with the key `obstacles` alone, written as in
@@ -26,6 +27,9 @@ std::vector<Obstacle> readObstacles(const std::string& path);
 
 /// Their corners.
 std::vector<core::Polygon> outlinesOf(const std::vector<Obstacle>& obstacles);
+
+/// Obstacles, then the simulator's clutter, counter-clockwise.
+std::vector<Obstacle> standingInSim(const Experiment& experiment);
 
 /// The corners of obstacles, then of no-fly zones. m, world.
 std::vector<core::Polygon> placesToAvoid(const Experiment& experiment);

@@ -18,6 +18,14 @@ struct JpegImage {
   std::vector<std::uint8_t> jpeg;
 };
 
+/// One picture of depths along a camera's optical axis, row by row from the top.
+struct DepthImage {
+  Utime utime = 0;                      ///< of the exposure
+  int width = 0;                        ///< pixels
+  int height = 0;                       ///< pixels
+  std::vector<std::uint16_t> depth_mm;  ///< 0: nothing was measured
+};
+
 /// Whoever reads a map of more cells of a room's floor is not on time any more.
 inline constexpr double kMostMapCells = 1e6;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/config/obstacles.h"
 #include "common/core/polygon.h"
 #include "logs/metrics/whereabouts.h"
 
@@ -77,6 +78,7 @@ class ObstacleWatch {
 };
 
 void addUnseen(const Flight& flight, const FlightVehicle& vehicle,
+               const std::vector<config::Obstacle>& standing,
                const std::vector<ObstacleWatch>& watches, const Whereabouts::Stretch& stretch,
                std::vector<Unseen>& unseen) {
   Unseen found{vehicle.name,
@@ -85,7 +87,7 @@ void addUnseen(const Flight& flight, const FlightVehicle& vehicle,
                {}};
   for (std::size_t i = 0; i < watches.size(); ++i) {
     if (watches[i].couldTouchIn(stretch)) {
-      found.near.push_back(flight.experiment->obstacles[i].name);
+      found.near.push_back(standing[i].name);
     }
   }
   if (!found.near.empty()) {
@@ -93,10 +95,11 @@ void addUnseen(const Flight& flight, const FlightVehicle& vehicle,
   }
 }
 
-void measure(const Flight& flight, const FlightVehicle& vehicle, ObstacleMetrics& metrics) {
+void measure(const Flight& flight, const FlightVehicle& vehicle,
+             const std::vector<config::Obstacle>& standing, ObstacleMetrics& metrics) {
   const Whereabouts whereabouts(flight, vehicle);
   std::vector<ObstacleWatch> watches;
-  for (const config::Obstacle& obstacle : flight.experiment->obstacles) {
+  for (const config::Obstacle& obstacle : standing) {
     watches.emplace_back(flight, vehicle, whereabouts, obstacle);
     const ClosestGap gap = watches.back().closest();
     if (gap.gap_m < metrics.closest.gap_m) {
@@ -107,7 +110,7 @@ void measure(const Flight& flight, const FlightVehicle& vehicle, ObstacleMetrics
     }
   }
   for (const Whereabouts::Stretch& stretch : whereabouts.unknown()) {
-    addUnseen(flight, vehicle, watches, stretch, metrics.unseen);
+    addUnseen(flight, vehicle, standing, watches, stretch, metrics.unseen);
   }
 }
 
@@ -115,9 +118,12 @@ void measure(const Flight& flight, const FlightVehicle& vehicle, ObstacleMetrics
 
 ObstacleMetrics obstaclesOf(const Flight& flight) {
   ObstacleMetrics metrics;
-  if (flight.experiment && !flight.experiment->obstacles.empty()) {
+  const std::vector<config::Obstacle> standing = flight.experiment
+                                                     ? config::standingInSim(*flight.experiment)
+                                                     : std::vector<config::Obstacle>{};
+  if (!standing.empty()) {
     for (const FlightVehicle& vehicle : flight.vehicles) {
-      measure(flight, vehicle, metrics);
+      measure(flight, vehicle, standing, metrics);
     }
   }
   return metrics;

@@ -40,8 +40,11 @@ MapUpdate mapUpdateOf(const AgentFinder& finder, double free_range_m) {
   return update;
 }
 
-StaticCells::StaticCells(double resolution_m, std::vector<Eigen::Vector2d> centres_m)
-    : resolution_m_(resolution_m), centres_m_(std::move(centres_m)) {
+StaticCells::StaticCells(double resolution_m, std::vector<Eigen::Vector2d> centres_m,
+                         std::vector<Eigen::Vector2d> depth_centres_m)
+    : resolution_m_(resolution_m),
+      centres_m_(std::move(centres_m)),
+      depth_centres_m_(std::move(depth_centres_m)) {
   for (const Eigen::Vector2d& centre_m : centres_m_) {
     for (int right = -1; right <= 1; ++right) {
       for (int up = -1; up <= 1; ++up) {
@@ -61,14 +64,15 @@ std::int64_t StaticCells::keyOf(const Eigen::Vector2d& position_m, int right, in
   return column * (std::int64_t{1} << 32) + row;
 }
 
-/// The octree's one layer, and what a sweep says of each of its cells: a grid is many times faster
-/// than the hash sets of octomap's own insertion.
+/// The octree's layers, and what a sweep or picture says of each cell of its one: a grid is many
+/// times faster than the hash sets of octomap's own insertion.
 struct OccupancyMapper::Tree {
   enum Said : std::uint8_t { kNothing, kFree, kOccupied };
 
   Tree(double resolution_m, const Eigen::AlignedBox2d& bounds_m)
       : octree(resolution_m),
         height_m(resolution_m / 2.0),
+        depth_height_m(1.5 * resolution_m),
         low(octree.coordToKey(pointOf(bounds_m.min(), height_m))) {
     const octomap::OcTreeKey high = octree.coordToKey(pointOf(bounds_m.max(), height_m));
     columns = high[0] - low[0] + 1;
@@ -96,8 +100,17 @@ struct OccupancyMapper::Tree {
     return static_cast<Said>(std::exchange(said[at], kNothing));
   }
 
+  void learn() {
+    constexpr bool kLazy = true;
+    for (const octomap::OcTreeKey& key : touched) {
+      octree.updateNode(key, take(key) == kOccupied, kLazy);
+    }
+    touched.clear();
+  }
+
   octomap::OcTree octree;
-  double height_m;  // of the one layer
+  double height_m;        // of the layer of sweeps
+  double depth_height_m;  // of the layer of depth pictures
   octomap::OcTreeKey low;
   int columns = 0;
   int rows = 0;
@@ -132,11 +145,21 @@ void OccupancyMapper::insert(const MapUpdate& update) {
   for (const Eigen::Vector2d& end_m : update.free_m) {
     sayFree(pointOf(end_m, tree_->height_m));
   }
-  constexpr bool kLazy = true;
-  for (const octomap::OcTreeKey& key : tree_->touched) {
-    octree.updateNode(key, tree_->take(key) == Tree::kOccupied, kLazy);
-  }
-  tree_->touched.clear();
+  tree_->learn();
+}
+
+void OccupancyMapper::insert(const DepthUpdate& update) {
+  const auto say = [&](const std::vector<Eigen::Vector2d>& places_m, Tree::Said what) {
+    for (const Eigen::Vector2d& place_m : places_m) {
+      octomap::OcTreeKey key;
+      if (tree_->octree.coordToKeyChecked(pointOf(place_m, tree_->depth_height_m), key)) {
+        tree_->say(key, what);
+      }
+    }
+  };
+  say(update.free_m, Tree::kFree);
+  say(update.hits_m, Tree::kOccupied);
+  tree_->learn();
 }
 
 void OccupancyMapper::clear() { tree_->octree.clear(); }
@@ -144,12 +167,15 @@ void OccupancyMapper::clear() { tree_->octree.clear(); }
 std::shared_ptr<const StaticCells> OccupancyMapper::cells() const {
   const octomap::OcTree& octree = tree_->octree;
   std::vector<Eigen::Vector2d> centres_m;
+  std::vector<Eigen::Vector2d> depth_centres_m;
   for (auto leaf = octree.begin_leafs(); leaf != octree.end_leafs(); ++leaf) {
     if (octree.isNodeOccupied(*leaf)) {
-      centres_m.emplace_back(leaf.getX(), leaf.getY());
+      const bool swept = leaf.getZ() < octree.getResolution();
+      (swept ? centres_m : depth_centres_m).emplace_back(leaf.getX(), leaf.getY());
     }
   }
-  return std::make_shared<StaticCells>(octree.getResolution(), std::move(centres_m));
+  return std::make_shared<StaticCells>(octree.getResolution(), std::move(centres_m),
+                                       std::move(depth_centres_m));
 }
 
 std::vector<std::uint8_t> OccupancyMapper::binaryTree() {

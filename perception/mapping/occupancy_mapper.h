@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "perception/agent_finder.h"
+#include "perception/mapping/depth_view.h"
 
 namespace roundabout::perception {
 
@@ -24,24 +25,29 @@ struct MapUpdate {
 /// beams ended without an echo, but there only up to `free_range_m`.
 MapUpdate mapUpdateOf(const AgentFinder& finder, double free_range_m);
 
-/// The cells that are occupied, frozen.
+/// The cells that are occupied, frozen: those that sweeps hit, and those that depth pictures did.
 class StaticCells final : public StaticWorld {
  public:
-  StaticCells(double resolution_m, std::vector<Eigen::Vector2d> centres_m);
-  /// In an occupied cell or in a neighbour of one.
+  StaticCells(double resolution_m, std::vector<Eigen::Vector2d> centres_m,
+              std::vector<Eigen::Vector2d> depth_centres_m = {});
+  /// In a cell that sweeps hit, or in a neighbour of one: who stands where pictures alone saw
+  /// something is somebody.
   bool occupied(const Eigen::Vector2d& position_m) const override;
   const std::vector<Eigen::Vector2d>& centres() const { return centres_m_; }
+  const std::vector<Eigen::Vector2d>& depthCentres() const { return depth_centres_m_; }
 
  private:
   std::int64_t keyOf(const Eigen::Vector2d& position_m, int right, int up) const;
 
   double resolution_m_;
   std::vector<Eigen::Vector2d> centres_m_;
+  std::vector<Eigen::Vector2d> depth_centres_m_;
   std::unordered_set<std::int64_t> near_;
 };
 
-/// The static world as an OctoMap (Hornung et al., Autonomous Robots 2013): one layer of cells
-/// above the floor.
+/// The static world as an OctoMap (Hornung et al., Autonomous Robots 2013). Two layers of cells, of
+/// which neither clears the other's: on the floor what sweeps say of the lidar's plane, above it
+/// what depth pictures say of all heights in their band.
 class OccupancyMapper {
  public:
   /// bounds: nothing outside is mapped.
@@ -49,6 +55,7 @@ class OccupancyMapper {
   ~OccupancyMapper();
 
   void insert(const MapUpdate& update);
+  void insert(const DepthUpdate& update);
   void clear();
   std::shared_ptr<const StaticCells> cells() const;
   /// The content of a .bt file: the most probable of free and occupied.

@@ -29,8 +29,11 @@ void rememberImages(bus::Bus& bus, const config::Vehicle& vehicle, Sight& sight)
         bus, bus::imageChannel(vehicle.name, camera.name),
         [&sight, name = camera.name](const roundabout_msgs::image_t& message) {
           core::JpegImage image;
+          core::DepthImage depths;
           if (bus::fromMessage(message, image) == nullptr) {
             sight.images[name] = std::move(image);
+          } else if (bus::fromMessage(message, depths) == nullptr) {
+            sight.depths[name] = std::move(depths);
           }
         },
         [](const bus::DecodeError& /*counted by the node*/) {});

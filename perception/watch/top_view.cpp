@@ -17,11 +17,13 @@ namespace {
 
 constexpr int kSide_px = 720;
 constexpr int kImageWidth_px = 320;
+constexpr double kHalfGrey_mm = 2000.0;  // this far away is half as light as right here
 constexpr double kPicturesPerSecond = 10.0;
 // Blue, green, red; the colours of Okabe and Ito, which everybody can tell apart.
 const cv::Scalar kPaper(255, 255, 255);
 const cv::Scalar kInk(60, 60, 60);
 const cv::Scalar kMap(170, 170, 170);
+const cv::Scalar kDepthMap(153, 136, 221);
 const cv::Scalar kPoint(178, 114, 0);
 const cv::Scalar kCluster(0, 159, 230);
 const cv::Scalar kPedestrian(0, 94, 213);
@@ -90,8 +92,36 @@ struct TopView::Canvas {
     }
   }
 
+  /// Below what is there already. False if there is no place for it.
+  bool drawImage(const std::string& camera, cv::Mat seen, int& top) {
+    cv::resize(seen, seen, {kImageWidth_px, seen.rows * kImageWidth_px / seen.cols});
+    if (top + seen.rows > kSide_px) {
+      return false;
+    }
+    seen.copyTo(picture(cv::Rect(kSide_px, top, seen.cols, seen.rows)));
+    text(camera, {kSide_px + 6, top + 16}, kPaper);
+    top += seen.rows;
+    return true;
+  }
+
+  /// Near is light, and what was not measured black.
+  static cv::Mat greyOf(const core::DepthImage& image) {
+    cv::Mat grey(image.height, image.width, CV_8UC1);
+    std::transform(image.depth_mm.begin(), image.depth_mm.end(), grey.begin<std::uint8_t>(),
+                   [](std::uint16_t depth_mm) {
+                     return depth_mm == 0 ? 0.0 : 255.0 / (1.0 + depth_mm / kHalfGrey_mm);
+                   });
+    cv::cvtColor(grey, grey, cv::COLOR_GRAY2BGR);
+    return grey;
+  }
+
   void drawImages(const Sight& sight) {
     int top = 0;
+    for (const auto& [camera, depths] : sight.depths) {
+      if (!drawImage(camera, greyOf(depths), top)) {
+        break;
+      }
+    }
     for (const auto& [camera, image] : sight.images) {
       cv::Mat seen = cv::imdecode(image.jpeg, cv::IMREAD_COLOR);
       if (seen.empty()) {
@@ -103,13 +133,9 @@ struct TopView::Canvas {
                         kPedestrian, 2);
         }
       }
-      cv::resize(seen, seen, {kImageWidth_px, seen.rows * kImageWidth_px / seen.cols});
-      if (top + seen.rows > kSide_px) {
+      if (!drawImage(camera, seen, top)) {
         break;
       }
-      seen.copyTo(picture(cv::Rect(kSide_px, top, seen.cols, seen.rows)));
-      text(camera, {kSide_px + 6, top + 16}, kPaper);
-      top += seen.rows;
     }
   }
 };
@@ -134,6 +160,9 @@ void TopView::draw(const Sight& sight) {
   if (sight.cells != nullptr) {
     for (const Eigen::Vector2d& cell_m : sight.cells->centres()) {
       cv::circle(canvas.picture, canvas.at(cell_m), 2, kMap, cv::FILLED);
+    }
+    for (const Eigen::Vector2d& cell_m : sight.cells->depthCentres()) {
+      cv::circle(canvas.picture, canvas.at(cell_m), 1, kDepthMap, cv::FILLED);
     }
   }
   if (sight.finder != nullptr) {

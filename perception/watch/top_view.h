@@ -19,6 +19,7 @@ struct Sight {
   const AgentFinder* finder = nullptr;            ///< scan, clusters and tracks
   const StaticCells* cells = nullptr;             ///< nullptr: no map yet
   std::map<std::string, core::JpegImage> images;  ///< by camera
+  std::map<std::string, core::DepthImage> depths;
   std::map<std::string, std::vector<PersonBox>> boxes;
 };
 

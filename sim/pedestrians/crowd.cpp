@@ -28,7 +28,7 @@ Crowd::Crowd(const config::Experiment& experiment, std::span<const BodyState> st
              const SteeringFactory& make_steering, core::Utime first_utime)
     : settings_(experiment.pedestrians),
       file_(experiment.file),
-      obstacles_(config::outlinesOf(experiment.obstacles)),
+      obstacles_(config::outlinesOf(config::standingInSim(experiment))),
       random_(experiment.seed, "pedestrians"),
       timer_(1.0 / SocialForce::kPeriodS),
       first_utime_(first_utime) {

@@ -6,16 +6,31 @@
 
 namespace roundabout::sim {
 
+namespace {
+
+/// Of obstacles, and of the clutter that is there at a height.
+std::vector<core::Polygon> outlinesAt(const config::Experiment& experiment, double height_m) {
+  std::vector<core::Polygon> outlines = config::outlinesOf(experiment.obstacles);
+  for (const config::Clutter& clutter : experiment.sim.clutter) {
+    if (clutter.bottom_m <= height_m && height_m < clutter.top_m) {
+      outlines.push_back(clutter.points_m);
+    }
+  }
+  return outlines;
+}
+
+}  // namespace
+
 LaserScanners::LaserScanners(const config::Experiment& experiment)
     : leg_radius_m_(experiment.pedestrians.leg_radius_m),
-      obstacles_(config::outlinesOf(experiment.obstacles)),
       room_(experiment.room.min_m.head<2>(), experiment.room.max_m.head<2>()) {
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
     const config::Vehicle& vehicle = experiment.vehicles[i];
     radii_m_.push_back(vehicle.body_radius_m);
     if (vehicle.lidar) {
       scanners_.push_back({i, Lidar(*vehicle.lidar), core::TickTimer(vehicle.lidar->rate_hz),
-                           core::RandomStream(experiment.seed, "lidar " + vehicle.name)});
+                           core::RandomStream(experiment.seed, "lidar " + vehicle.name),
+                           outlinesAt(experiment, vehicle.height_m)});
     }
   }
 }
@@ -57,7 +72,7 @@ std::span<const LaserScanners::Sweep> LaserScanners::sweep(core::Utime now,
     const bool walls = scanner.lidar.settings().sees_room_walls;
     const core::RangeScan seen =
         scanner.lidar.sweep(own.position_world_m.head<2>(), core::headingOf(own.orientation),
-                            {discs_, obstacles_, walls ? &room_ : nullptr}, &scanner.noise,
+                            {discs_, scanner.outlines, walls ? &room_ : nullptr}, &scanner.noise,
                             motionOf(scanner, now, own));
     sweeps_.push_back({scanner.vehicle,
                        {now,

@@ -38,6 +38,7 @@ class LaserScanners {
     Lidar lidar;
     core::TickTimer timer;
     core::RandomStream noise;
+    std::vector<core::Polygon> outlines;  // of what its plane cuts
     double last_heading_rad = 0.0;
     core::Utime last_sweep = 0;
   };
@@ -46,7 +47,6 @@ class LaserScanners {
 
   double leg_radius_m_;
   std::vector<double> radii_m_;
-  std::vector<core::Polygon> obstacles_;
   Eigen::AlignedBox2d room_;
   std::vector<Scanner> scanners_;
   std::vector<Disc> discs_;

@@ -10,6 +10,7 @@
 #include "perception/clustering/table.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "planner/map/way_finder.h"
+#include "sim/sensors/depth_camera.h"
 #include "tests/perception/crowd.h"
 
 namespace {
@@ -92,6 +93,26 @@ void scanToMap(benchmark::State& state) {
   }
 }
 BENCHMARK(scanToMap)->Unit(benchmark::kMillisecond);
+
+// A depth picture of 160 x 120 pixels of a box in a room of 6 m: its places, and into the map.
+void depthsToMap(benchmark::State& state) {
+  config::Camera camera;
+  camera.width = 160;
+  camera.height = 120;
+  camera.depth = config::DepthSensing{0.3, 4.0, 0.0025, 0.05};
+  const sim::Prism box{{{1.5, -0.3}, {1.9, -0.3}, {1.9, 0.4}, {1.5, 0.4}}, 0.0, 0.15};
+  const Eigen::AlignedBox2d room(Eigen::Vector2d(-3, -3), Eigen::Vector2d(3, 3));
+  core::RandomStream noise(1, "bench");
+  sim::DepthCamera sees(camera);
+  const auto depths = sees.render({0, 0}, 0.0, {{&box, 1}, {}, room}, &noise);
+  const perception::DepthView view{
+      {0, camera.width, camera.height, {depths.begin(), depths.end()}}, camera, {}, {}};
+  perception::OccupancyMapper mapper(0.05, {Eigen::Vector2d(-8, -8), Eigen::Vector2d(8, 8)});
+  for (auto _ : state) {
+    mapper.insert(perception::depthUpdateOf(view, {0.06, 0.8}, 0.05));
+  }
+}
+BENCHMARK(depthsToMap)->Unit(benchmark::kMillisecond);
 
 void mapToMessage(benchmark::State& state) {
   test::Crowd crowd(crowdOf(6));

@@ -5,6 +5,8 @@
 #include "common/bus/memory_bus.h"
 #include "common/bus/messages.h"
 #include "common/bus/typed.h"
+#include "common/core/polygon.h"
+#include "sim/sensors/depth_camera.h"
 #include "tests/perception/crowd.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/startup_error.h"
@@ -286,6 +288,97 @@ TEST_F(PerceptionNodeTest, CountsPicturesThatDoNotDecodeAndMissesASilentCamera) 
   EXPECT_EQ(heard_.back().health, kDegraded);
   EXPECT_EQ(heard_.back().reason, "camera front is silent");
   EXPECT_GE(heard_.back().num_tracks, 4);
+}
+
+/// Its camera measures depth.
+class PerceptionDepthTest : public PerceptionNodeTest {
+ protected:
+  PerceptionDepthTest() {
+    config::Camera& camera = experiment_.vehicles[0].cameras.emplace_back();
+    camera.width = 160;
+    camera.height = 120;
+    camera.depth = config::DepthSensing{};
+    box_ = {{{1.0, -0.3}, {1.4, -0.3}, {1.4, 0.3}, {1.0, 0.3}}, 0.0, 0.15};
+  }
+
+  core::DepthImage picture(core::Utime utime) const {
+    const Eigen::AlignedBox2d room(Eigen::Vector2d(-7, -7), Eigen::Vector2d(7, 7));
+    sim::DepthCamera camera(experiment_.vehicles[0].cameras[0]);
+    const auto depths = camera.render({0.0, 0.0}, 0.0, {{&box_, 1}, {}, room});
+    return {utime, 160, 120, {depths.begin(), depths.end()}};
+  }
+  void send(const core::DepthImage& image) { send(bus::toMessage(image)); }
+  void send(const roundabout_msgs::image_t& message) {
+    bus::publish(lab_, "IMAGE_robot_front", message);
+    deliver();
+  }
+  /// Poses, scans and pictures; each picture is there before the scan of its time.
+  void runWithPictures(double duration_s) {
+    for (int i = 0; i < static_cast<int>(duration_s / 0.2); ++i) {
+      send(picture(now_ + 100'000));
+      run(0.2);
+    }
+  }
+  std::size_t mappedBeyondSweeps() const {
+    const StaticCells* cells = node_->core().cells();
+    return cells == nullptr ? 0 : cells->depthCentres().size();
+  }
+
+  sim::Prism box_;
+};
+
+TEST_F(PerceptionDepthTest, WhatOnlyPicturesShowGoesIntoTheMap) {
+  start(true);  // a detector that would find a person in every picture that it is given
+  runWithPictures(1.6);
+  ASSERT_GT(mappedBeyondSweeps(), 20U);
+  for (const Eigen::Vector2d& centre_m : node_->core().cells()->depthCentres()) {
+    EXPECT_LT(core::distanceTo(box_.outline, centre_m), 0.05) << centre_m.transpose();
+  }
+  EXPECT_TRUE(node_->core().boxes().empty());
+  EXPECT_EQ(heard_.back().health, kGood);
+  EXPECT_EQ(heard_.back().rejected_images, 0);
+  EXPECT_GE(heard_.back().num_tracks, 4);
+  // Nobody knows what was there before a jump.
+  for (int i = 0; i < 10; ++i) {
+    now_ += 5'000;
+    sendPose(now_, 2.0);
+    deliver();
+  }
+  EXPECT_EQ(mappedBeyondSweeps(), 0U);
+}
+
+TEST_F(PerceptionDepthTest, PicturesFromBeforePeopleAreBelievedAreNotUsed) {
+  start();
+  send(picture(now_ + 200'000));  // the first scan is at most 25 ms away
+  run(1.0);
+  EXPECT_EQ(mappedBeyondSweeps(), 0U);
+  send(picture(now_ + 10'000));
+  run(0.8);
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+}
+
+TEST_F(PerceptionDepthTest, CountsPicturesThatAreNotItsCamerasAndMissesASilentOne) {
+  start();
+  runWithPictures(1.0);
+  const std::int64_t before = heard_.back().rejected_images;
+  send(picture(now_ - 500'000));  // older than the last
+  core::DepthImage small = picture(now_);
+  small.height = 60;
+  small.depth_mm.resize(160 * 60);
+  send(small);
+  roundabout_msgs::image_t message = bus::toMessage(picture(now_));
+  message.row_stride = 160;
+  send(message);
+  message = bus::toMessage(picture(now_));
+  message.data.pop_back();
+  message.size = static_cast<std::int32_t>(message.data.size());
+  send(message);
+  sendImage("a JPEG", now_);
+  run(0.1);
+  EXPECT_EQ(heard_.back().rejected_images, before + 5);
+  run(1.2);
+  EXPECT_EQ(heard_.back().health, kDegraded);
+  EXPECT_EQ(heard_.back().reason, "camera front is silent");
 }
 
 TEST_F(PerceptionNodeTest, SavesItsMap) {

@@ -95,6 +95,46 @@ TEST(SensorMessages, WhatIsNoJpegIsRefused) {
   EXPECT_STREQ(fromMessage(message, image), "does not begin like a JPEG");
 }
 
+TEST(SensorMessages, DepthsSurviveTheWireLowByteFirst) {
+  const core::DepthImage sent{5, 3, 2, {0, 1, 255, 256, 4000, 65'535}};
+  const roundabout_msgs::image_t message = toMessage(sent);
+  EXPECT_EQ(message.pixelformat, 'L' | 'G' << 8 | '1' << 16 | '6' << 24);
+  EXPECT_EQ(message.row_stride, 6);
+  EXPECT_EQ(message.size, 12);
+  EXPECT_EQ(message.data[6], 0);
+  EXPECT_EQ(message.data[7], 1);
+  core::DepthImage heard;
+  ASSERT_EQ(fromMessage(message, heard), nullptr);
+  EXPECT_EQ(heard.depth_mm, sent.depth_mm);
+  EXPECT_EQ(encode(toMessage(heard)), encode(message));
+}
+
+TEST(SensorMessages, WhatIsNoDepthPictureIsRefused) {
+  const roundabout_msgs::image_t good = toMessage(core::DepthImage{5, 3, 2, {0, 1, 2, 3, 4, 5}});
+  core::DepthImage image;
+  auto message = good;
+  message.pixelformat = roundabout_msgs::image_t::PIXEL_FORMAT_MJPEG;
+  EXPECT_STREQ(fromMessage(message, image),
+               "not a depth picture (16 bits of grey a pixel, little-endian)");
+  core::JpegImage colour;
+  EXPECT_STREQ(fromMessage(good, colour), "not a JPEG");
+  for (const int height : {0, -2, 1 << 30}) {
+    message = good;
+    message.height = height;
+    EXPECT_STREQ(fromMessage(message, image), "a size that no camera has");
+  }
+  for (const int stride : {0, 3, 8, -6}) {
+    message = good;
+    message.row_stride = stride;
+    EXPECT_STREQ(fromMessage(message, image), "rows that are not two bytes a pixel long");
+  }
+  for (const std::size_t size : {0U, 11U, 13U, 24U}) {
+    message = good;
+    message.data.resize(size);
+    EXPECT_STREQ(fromMessage(message, image), "another number of bytes than its rows have");
+  }
+}
+
 TEST(SensorMessages, AMapAndOdometrySurviveTheWire) {
   const auto map_message = sample<roundabout_msgs::occupancy_t>();
   core::OccupancyMap map;

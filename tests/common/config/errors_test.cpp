@@ -82,6 +82,27 @@ TEST(ConfigError, KeyThatIsNotText) {
             "lab.yaml:2: sim: expected text as a key, found a list of 2");
 }
 
+// ---- depth cameras and clutter
+
+TEST(ConfigError, DepthPicturesThatAreNoDatagram) {
+  EXPECT_EQ(errorOf("vehicles:\n  - name: rover\n    cameras:\n      - {depth: {}}\n"),
+            "lab.yaml:4: vehicles[0].cameras[0].width: expected a depth picture of at most 60000 "
+            "bytes, two a pixel (160 x 120), found 320 x 240");
+}
+
+TEST(ConfigError, DepthsThatEndBeforeTheyBegin) {
+  EXPECT_EQ(errorOf("vehicles:\n  - name: rover\n    cameras:\n"
+                    "      - {width: 160, height: 120, depth: {nearest_m: 5}}\n"),
+            "lab.yaml:4: vehicles[0].cameras[0].depth.farthest_m: expected at least nearest_m (5), "
+            "found 4");
+}
+
+TEST(ConfigError, ClutterThatIsUpsideDown) {
+  EXPECT_EQ(errorBelow("sim:\n  clutter:\n"
+                       "    - {name: box, points_m: [[0, 0], [1, 0], [1, 1]], bottom_m: 0.3}\n"),
+            "lab.yaml:4: sim.clutter[0].top_m: expected more than bottom_m (0.3), found 0.2");
+}
+
 // ---- unknown keys
 
 TEST(ConfigError, UnknownKeyAtTheTop) {

@@ -28,7 +28,7 @@ inline Experiment oneOfEverything() {
   first.shielded = false;
   first.start = Start{{-1.5, 2.5}, -0.75};
   first.lidar = Lidar{360, 6.25, 4.5, 20.0, 0.01, true, 0.02, 0.5, 0.025};
-  first.cameras = {{"left", 640, 480, 1.4, 0.75, 0.3, 10.0}};
+  first.cameras = {{"left", 160, 120, 1.4, 0.75, 0.35, 10.0, DepthSensing{0.25, 5.0, 0.004, 0.05}}};
   first.model = "ground_robot";
   first.localised_by = "odometry";
   Vehicle second = first;
@@ -90,6 +90,7 @@ inline Experiment oneOfEverything() {
   e.sim.command_hold_s = 0.35;
   e.sim.command_land_s = 1.5;
   e.sim.pushes = {{"hex_1", 3.0, 0.75, {1.0, -2.0}}};
+  e.sim.clutter = {{"shelf", {{3.0, -5.0}, {3.5, -5.0}, {3.5, -4.5}}, 0.5, 0.75}};
 
   e.pedestrians.count = 6;
   e.pedestrians.policy = "orca";
@@ -104,8 +105,8 @@ inline Experiment oneOfEverything() {
   e.pedestrians.leg_radius_m = 0.07;
   e.pedestrians.height_m = 1.8;
   e.pedestrians.recording = {"/data/obsmat.txt", 30.0, 25.0};
-  e.perception = {"dynamic_means", 0.01,   8.0, 1.1,  0.35, 0.2, 0.7, 0.4, 3.0, 0.1, 5.0, 0.5,
-                  "m.bt",          "none", 0.6, 0.25, 0.4};
+  e.perception = {"dynamic_means", 0.01,   8.0, 1.1,  0.35, 0.2,  0.7, 0.4, 3.0, 0.1, 5.0, 0.5,
+                  "m.bt",          "none", 0.6, 0.25, 0.4,  0.05, 0.7};
 
   e.mocap.server = "192.168.0.106";
   e.mocap.interface = "eth0";
