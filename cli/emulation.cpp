@@ -7,9 +7,7 @@
 namespace roundabout::cli {
 
 std::vector<std::string> emulationOverrides(const std::string& protocol) {
-  // Both held until both are known: a port that was given back may be given again.
-  const mocap_bridge::UdpSocket command("a free port", {mocap_bridge::kLoopback, 0});
-  const mocap_bridge::UdpSocket data("a free port", {mocap_bridge::kLoopback, 0});
+  const auto [command_port, data_port] = mocap_bridge::freePorts();
   return {"source=" + protocol,
           "mocap.server=127.0.0.1",
           "mocap.interface=127.0.0.1",
@@ -21,8 +19,8 @@ std::vector<std::string> emulationOverrides(const std::string& protocol) {
           "mocap.rotation=xyz",
           "mocap.rate_hz=0",
           "mocap.latency_s=0.005",
-          fmt::format("mocap.command_port={}", command.port()),
-          fmt::format("mocap.data_port={}", data.port())};
+          fmt::format("mocap.command_port={}", command_port),
+          fmt::format("mocap.data_port={}", data_port)};
 }
 
 }  // namespace roundabout::cli

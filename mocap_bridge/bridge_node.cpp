@@ -14,6 +14,8 @@ constexpr core::Utime kCheckSetUpAfter = 2 * core::kMicrosPerSecond;
 constexpr core::Utime kLostForLong = 1'200'000;
 // Without a camera frame for so long there is nothing to predict from.
 constexpr core::Utime kLongestPrediction = 100'000;
+// No frame for so long: bodies were not lost, there was nothing to see them in.
+constexpr core::Utime kOutage = core::kMicrosPerSecond / 2;
 // Measurements may be a little outside the room.
 constexpr double kRoomMargin_m = 1.0;
 constexpr double kUpright = 0.7;
@@ -78,7 +80,7 @@ void BridgeNode::onFrame(const SourceFrame& frame) {
   if (used) {
     const core::Utime now = frame.exposure_utime;
     first_frame_ = first_frame_ == 0 ? now : first_frame_;
-    frames_since_ = std::abs(now - last_frame_) > kLongestPrediction ? now : frames_since_;
+    frames_since_ = std::abs(now - last_frame_) > kOutage ? now : frames_since_;
     last_frame_ = now;
     noteTracks(frame);
     noteSetUp(frame);

@@ -165,10 +165,10 @@ bool PerceptionCore::isDue(std::size_t camera, core::Utime exposure) {
 }
 
 const char* PerceptionCore::onImage(std::size_t camera, const core::JpegImage& image) {
-  if (const auto size = jpegSize(image.jpeg);
-      size && *size != PictureSize{image.width, image.height}) {
+  const auto size = jpegSize(image.jpeg);
+  if (!size || *size != PictureSize{image.width, image.height}) {
     ++rejected_.images;
-    return "its JPEG is of another size than it says";
+    return size ? "its JPEG is of another size than it says" : "it is no JPEG, or cut off";
   }
   if (const char* reason = judgeImage(camera, image.utime, image.width, image.height)) {
     return reason;

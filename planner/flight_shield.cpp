@@ -275,13 +275,23 @@ void FlightShield::collectNeighbours(core::Utime now, const Situation& situation
   }
 }
 
-/// Position control may bring the body up to a wall, or to something on the map, less the margin:
-/// positions are in the room, and the goal was chosen there.
-const shield::Statics& FlightShield::statics(CommandMode mode, const Mapped& mapped) {
+/// Position control may bring the body up to a wall, less the margin: positions are in the room,
+/// and the goal was chosen there. Of the margin to what is on the map it gives up what the goal
+/// needs.
+const shield::Statics& FlightShield::statics(CommandMode mode, const Mapped& mapped,
+                                             const shield::Ego& ego) {
   const bool at_goal = mode == CommandMode::kPosition;
   statics_.walls = at_goal ? near_walls_ : walls_;
   statics_.mapped = mapped.pieces;
-  statics_.mapped_slack_m = at_goal ? experiment_.shield.margin_m : 0.0;
+  statics_.mapped_slack_m = 0.0;
+  if (at_goal) {
+    const double margin_m = experiment_.shield.margin_m;
+    for (const core::Polygon& piece : mapped.pieces) {
+      const double left_m = core::distanceTo(piece, ego.goal_world_m) - ego.radius_m;
+      statics_.mapped_slack_m =
+          std::max(statics_.mapped_slack_m, std::clamp(margin_m - left_m, 0.0, margin_m));
+    }
+  }
   return statics_;
 }
 
@@ -295,9 +305,10 @@ void FlightShield::guard(core::Utime now, const Situation& situation, const Mapp
   shield::Ego ego = egoFor(now, situation, command, status);
   command.goal_world_m = ego.goal_world_m;
   ego.goal_world_m = mapped.next_place_m.value_or(ego.goal_world_m);
+  ego.goal_is_final = ego.goal_world_m == command.goal_world_m;
   const Vector2d wanted = velocityOf(command, situation.own(), own_index_);
-  shield::ShieldDecision decision =
-      shield_.decide(ego, neighbours_, statics(command.mode, mapped), wanted, core::toSeconds(now));
+  shield::ShieldDecision decision = shield_.decide(
+      ego, neighbours_, statics(command.mode, mapped, ego), wanted, core::toSeconds(now));
   const bool as_wanted = decision.layer == ShieldLayer::kNone;
   if (wouldSurprise(as_wanted && holdsPlace(command, situation.own().state()), situation,
                     decision)) {

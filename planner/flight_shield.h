@@ -69,7 +69,8 @@ class FlightShield {
   void setIntent(const core::Command* said, const core::VehicleState& state,
                  const config::Vehicle& described, shield::Neighbour& other) const;
   void collectNeighbours(core::Utime now, const Situation& situation);
-  const shield::Statics& statics(core::CommandMode mode, const Mapped& mapped);
+  const shield::Statics& statics(core::CommandMode mode, const Mapped& mapped,
+                                 const shield::Ego& ego);
 
   const config::Experiment experiment_;
   const std::size_t own_index_;

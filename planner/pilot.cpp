@@ -22,11 +22,15 @@ constexpr double kMapMargin_m = 0.05;
 // More than the shield keeps: its half-planes must leave the way open that was found.
 constexpr double kBesideShield_m = 0.02;
 constexpr std::size_t kMostWaitingMaps = 8;
+// Of the probability of an action that stands, where the likeliest would hit the map: it leads
+// nowhere, but is right for a policy that sees no way.
+constexpr float kStandingWorth = 0.2F;
+// From a vehicle's centre: nothing farther is reached within a command and braking after it.
+constexpr double kNearMap_m = 3.0;
+
 double mapMarginOf(const config::Shield& shield) {
   return shield.on ? std::max(kMapMargin_m, shield.margin_m + kBesideShield_m) : kMapMargin_m;
 }
-// From a vehicle's centre: nothing farther is reached within a command and braking after it.
-constexpr double kNearMap_m = 3.0;
 
 }  // namespace
 
@@ -143,17 +147,17 @@ PlanarCommand Pilot::offMap(const core::EgoAgent& ego, Decision& decision) const
   return command;
 }
 
-/// Makes the decision the likeliest one that moves and does not hit the map; nothing: there is
-/// none, or no action table.
+/// Makes the decision the likeliest one that does not hit the map. Rather one that moves than one
+/// that stands, unless the policy would hardly do it. Nothing: there is none, or no action table.
 std::optional<PlanarCommand> Pilot::likeliestOffMap(const core::EgoAgent& ego,
                                                     Decision& decision) const {
   std::optional<PlanarCommand> likeliest;
-  float highest = -1.0F;
+  float highest = 0.0F;
   const std::size_t count = std::min(decision.actions.size(), decision.action_probabilities.size());
   for (std::size_t i = 0; i < count; ++i) {
-    // To stand, or to turn on the spot, hits nothing and leads nowhere.
-    if (!(decision.action_probabilities[i] > highest) ||
-        decision.actions[i].speed_fraction == 0.0) {
+    const bool stands = decision.actions[i].speed_fraction == 0.0;
+    const float worth = decision.action_probabilities[i] * (stands ? kStandingWorth : 1.0F);
+    if (!(worth > highest)) {
       continue;
     }
     Decision other = decision;
@@ -162,7 +166,7 @@ std::optional<PlanarCommand> Pilot::likeliestOffMap(const core::EgoAgent& ego,
     other.heading_change_rad = decision.actions[i].heading_change_rad;
     const PlanarCommand command = commandFrom(other, ego, settings_);
     if (!hitsMap(ego, command.velocity_world_mps)) {
-      highest = decision.action_probabilities[i];
+      highest = worth;
       likeliest = command;
       decision = other;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <poll.h>
 #include <spdlog/fmt/fmt.h>
@@ -90,6 +91,10 @@ class Trial {
       if (const auto& rival = vehicles[i].rival; rival && *rival > i) {
         wrong.push_back(fmt::format("{} and {} are mapped to one body, {} (mocap.bodies)",
                                     vehicles[i].name, vehicles[*rival].name, vehicles[i].body));
+      } else if (const core::VehicleState& state = node_.estimator().states().vehicles[i];
+                 !rival && state.last_seen != 0 && !state.tracked) {
+        wrong.push_back(fmt::format("{}: body {} was seen and is not any more", vehicles[i].name,
+                                    vehicles[i].body));
       }
     }
     for (const std::string& one : wrong) {
@@ -120,7 +125,9 @@ std::vector<Finding> examineMocap(const config::Experiment& experiment) {
     trial.run();
     return trial.findings(experiment.file);
   } catch (const core::StartupError& error) {
-    return {{Health::kWrong, kWhat, error.what(), "correct it in " + experiment.file}};
+    const bool of_file = std::string_view(error.what()).starts_with(experiment.file);
+    return {
+        {Health::kWrong, kWhat, error.what(), of_file ? "correct it in " + experiment.file : ""}};
   }
 }
 

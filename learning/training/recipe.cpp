@@ -156,9 +156,9 @@ Recipe parseRecipe(const std::string& yaml, const std::string& file,
       document.fail("stages[" + std::to_string(i) + "].sharp_share", "0, with ga3c",
                     fmt::format("{}", stage.sharp_share));
     }
-    if (ga3c && stage.hard_share > 0.0) {
-      document.fail("stages[" + std::to_string(i) + "].hard_share", "0, with ga3c",
-                    fmt::format("{}", stage.hard_share));
+    if (stage.hard_share > 0.0 && (ga3c || stage.world != "ideal")) {
+      document.fail("stages[" + std::to_string(i) + "].hard_share",
+                    ga3c ? "0, with ga3c" : "0, in the lab", fmt::format("{}", stage.hard_share));
     }
     if (stage.max_agents < stage.min_agents) {
       document.fail("stages[" + std::to_string(i) + "].max_agents",

@@ -162,6 +162,13 @@ Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
 
 int Descriptor::release() { return std::exchange(descriptor_, -1); }
 
+std::pair<int, int> freePorts() {
+  // Both held until both are known; sockets that share ports could be given the same.
+  const UdpSocket one("a free port", {kLoopback, 0}, UdpSocket::Port::kAlone);
+  const UdpSocket other("a free port", {kLoopback, 0}, UdpSocket::Port::kAlone);
+  return {one.port(), other.port()};
+}
+
 UdpSocket::UdpSocket(const std::string& what, Endpoint local, Port port)
     : descriptor_(makeSocket(what, SOCK_DGRAM)), buffer_(kLargestDatagram) {
   set(descriptor_, SOL_SOCKET, SO_RCVBUF, kReceiveBuffer);

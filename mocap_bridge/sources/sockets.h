@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/config/experiment.h"
@@ -53,6 +54,9 @@ class Descriptor {
  private:
   int descriptor_ = -1;
 };
+
+/// Two UDP ports of this machine's loopback that nobody uses now, and that differ.
+std::pair<int, int> freePorts();
 
 class UdpSocket {
  public:

@@ -44,7 +44,8 @@ class WayFinder {
 
   /// What stands within reach, as one convex polygon for each of twelve directions: the hull of the
   /// occupied cells that are nearest in each three degrees of it. A straight line that has them and
-  /// the place on its two sides has every occupied cell within reach beyond it.
+  /// the place on its two sides has every occupied cell within reach beyond it, but for what three
+  /// degrees hide: a cell may stick out by 5 cm at a metre.
   void nearestCells(const Eigen::Vector2d& place_m, double reach_m,
                     std::vector<core::Polygon>& cells) const;
 

@@ -218,6 +218,7 @@ void BrakeConstraints::add(const Vector2d& normal, double usable_m, double share
 }
 
 double BrakeConstraints::fastest(const Response& response, const Line& line) const {
+  static_assert(Path::kMost % kLanes == 0);
   Lanes fastest_mps = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < response.per_speed_s.size(); i += kLanes) {
     const Lanes per_speed_s = loadLanes(&response.per_speed_s[i]);

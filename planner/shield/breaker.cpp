@@ -147,7 +147,7 @@ void Breaker::begin() {
 
 bool Breaker::mayEnd(const Ego& ego, const Scene& scene) const {
   // So near, a policy turns slowly: one that does not head for its goal would miss it.
-  if (last_distance_m_ < parameters_.slow_down_distance_m) {
+  if (ego.goal_is_final && last_distance_m_ < parameters_.slow_down_distance_m) {
     return false;
   }
   const double stay_s =

@@ -26,7 +26,7 @@ struct ShieldParameters {
   /// Within this distance of the goal what a policy wants is slowed down linearly, and turns the
   /// less; 0: nowhere.
   double slow_down_distance_m = 0.0;
-  double progress_time_constant_s = 2.0;  ///< 1 for policies without a memory
+  double progress_time_constant_s = 2.0;  ///< 1 in the lab, and for policies without memory
   double stalled_share = 0.2;             ///< of the preferred speed; slower: stalled
   double breaker_horizon_s = 2.0;
   double block_horizon_s = 1.0;  ///< nearer in time than this, somebody blocks

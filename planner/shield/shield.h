@@ -20,6 +20,7 @@ struct Ego {
   MotionBounds bounds;
   double radius_m = 0.5;  ///< of what must not be touched
   Eigen::Vector2d goal_world_m = Eigen::Vector2d::Zero();
+  bool goal_is_final = true;  ///< there a policy slows down; not at a place on the way
   double preferred_speed_mps = 1.0;
   double max_speed_mps = 1.0;  ///< of what is commanded
   int id = 0;                  ///< differs from that of every neighbour

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <tuple>
 
 #include <benchmark/benchmark.h>
 
@@ -50,12 +51,7 @@ class StampingBus final : public bus::Bus {
 void packetToMessage(benchmark::State& state, const char* protocol, const std::string& url = "") {
   const int bodies = static_cast<int>(state.range(0));
   mocap_bridge::EmulatorSettings settings;
-  {
-    const mocap_bridge::UdpSocket command("any", {mocap_bridge::kLoopback, 0});
-    const mocap_bridge::UdpSocket data("any", {mocap_bridge::kLoopback, 0});
-    settings.command_port = command.port();
-    settings.data_port = data.port();
-  }
+  std::tie(settings.command_port, settings.data_port) = mocap_bridge::freePorts();
   config::Experiment experiment;
   experiment.mocap.server = "127.0.0.1";
   experiment.mocap.interface = "127.0.0.1";

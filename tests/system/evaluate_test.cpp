@@ -135,7 +135,7 @@ class NoPath {
   NoPath& operator=(const NoPath&) = delete;
 
  private:
-  std::string usual_ = ::getenv("PATH");
+  std::string usual_ = ::getenv("PATH") == nullptr ? "" : ::getenv("PATH");
 };
 
 using Cross = FlightLab;

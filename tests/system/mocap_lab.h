@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/messages.h"
@@ -14,10 +15,6 @@ namespace roundabout::test {
 /// A lab with an emulated motion-capture system, on ports of its own.
 class MocapLab : public FlightLab {
  protected:
-  static int freePort() {
-    return mocap_bridge::UdpSocket("any", {mocap_bridge::kLoopback, 0}).port();
-  }
-
   std::string labFile(const std::string& source, const std::string& more = "") const {
     return "source: " + source +
            "\nmocap: {server: 127.0.0.1, interface: 127.0.0.1, command_port: " +
@@ -62,8 +59,9 @@ class MocapLab : public FlightLab {
     return traffic;
   }
 
-  int command_port_ = freePort();
-  int data_port_ = freePort();
+  const std::pair<int, int> ports_ = mocap_bridge::freePorts();
+  int command_port_ = ports_.first;
+  int data_port_ = ports_.second;
 };
 
 }  // namespace roundabout::test

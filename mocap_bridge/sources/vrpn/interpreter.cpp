@@ -120,10 +120,11 @@ bool VrpnInterpreter::has(const std::string& body) const {
                      [&](const BodyPose& other) { return other.name == body; });
 }
 
-// A body's second pose is another frame's, however soon it comes.
+// A body's second pose is another frame's, however soon it comes, unless it is the same pose again.
 bool VrpnInterpreter::joins(std::int64_t stamp_us, const std::string& body) const {
-  const std::int64_t after_us = stamp_us - last_stamp_us_;
-  return after_us == 0 || (std::abs(after_us) <= kTogether && !has(body));
+  const auto own = stamps_us_.find(body);
+  return own == stamps_us_.end() ? std::abs(stamp_us - last_stamp_us_) <= kTogether
+                                 : own->second == stamp_us;
 }
 
 void VrpnInterpreter::onPose(const Message& message, core::Utime received, PacketSink& sink) {
@@ -135,7 +136,13 @@ void VrpnInterpreter::onPose(const Message& message, core::Utime received, Packe
   const std::int64_t stamp_us =
       std::int64_t{message.seconds} * core::kMicrosPerSecond + message.microseconds;
   const std::string name = bodyName(message, pose.sensor);
-  frame_stamp_us_ = joins(stamp_us, name) ? frame_stamp_us_ : stamp_us;
+  if (!joins(stamp_us, name)) {
+    frame_stamp_us_ = stamp_us;
+    stamps_us_.clear();
+  }
+  if (stamps_us_.size() < kMostNames) {
+    stamps_us_[name] = stamp_us;
+  }
   last_stamp_us_ = stamp_us;
   const auto unsent = assembler_.begin(frame_stamp_us_);
   if (unsent && !showsEverything()) {

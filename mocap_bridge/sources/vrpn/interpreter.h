@@ -48,6 +48,7 @@ class VrpnInterpreter final : public Interpreter {
   std::map<std::string, std::int64_t> ids_;  // of bodies, in the order of their first pose
   FrameAssembler assembler_;
   std::int64_t frame_stamp_us_ = 0;
+  std::map<std::string, std::int64_t> stamps_us_;  // of the frame's bodies
   std::int64_t last_stamp_us_ = 0;
   std::int64_t number_ = 0;
 };

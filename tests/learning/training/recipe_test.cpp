@@ -41,6 +41,8 @@ TEST(Recipe, RefusesWhatWouldDoNothingOrBreak) {
               HasSubstr("stages[0].sharp_share"));
   EXPECT_THAT(errorOf("algorithm: ga3c\nstages: [{name: a, hard_share: 0.5}]"),
               HasSubstr("stages[0].hard_share"));
+  EXPECT_THAT(errorOf("stages: [{name: a, world: lab, hard_share: 0.5}]"),
+              HasSubstr("stages[0].hard_share"));
 }
 
 TEST(Recipe, SaysWhichStageItIsTheTimeFor) {

@@ -1,6 +1,8 @@
 // What every protocol of the table must do. Sessions talk to emulators over loopback sockets; time
 // is the test's.
 
+#include <tuple>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -37,12 +39,7 @@ class NoDescriptors {
 class EveryProtocol : public testing::TestWithParam<Protocol> {
  protected:
   EveryProtocol() {
-    {
-      const UdpSocket command("any", {kLoopback, 0});
-      const UdpSocket data("any", {kLoopback, 0});
-      settings_.command_port = command.port();
-      settings_.data_port = data.port();
-    }
+    std::tie(settings_.command_port, settings_.data_port) = freePorts();
     mocap_.server = "127.0.0.1";
     mocap_.interface = "127.0.0.1";
     mocap_.command_port = settings_.command_port;

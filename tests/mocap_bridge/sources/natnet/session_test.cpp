@@ -2,6 +2,8 @@
 
 #include "mocap_bridge/sources/natnet/session.h"
 
+#include <tuple>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -25,8 +27,7 @@ constexpr core::Utime kServerAhead = 86'400'000'000;
 class NatnetSessionTest : public testing::Test {
  protected:
   NatnetSessionTest() {
-    settings_.data_port = freePort();
-    settings_.command_port = freePort();
+    std::tie(settings_.command_port, settings_.data_port) = freePorts();
     frame_.bodies.resize(2);
     frame_.bodies[0].name = "hex1";
     frame_.bodies[0].id = 4;
@@ -36,8 +37,6 @@ class NatnetSessionTest : public testing::Test {
       body.tracked = true;
     }
   }
-
-  static int freePort() { return UdpSocket("any", {kLoopback, 0}).port(); }
 
   void startServer(const std::string& version = "3.1", const std::string& transport = "multicast") {
     settings_.version = version;
