@@ -5,6 +5,7 @@
 
 #include "common/config/obstacles.h"
 #include "common/core/angles.h"
+#include "common/core/polygon.h"
 
 namespace roundabout::planner {
 

@@ -20,11 +20,12 @@ struct Ego {
   MotionBounds bounds;
   double radius_m = 0.5;  ///< of what must not be touched
   Eigen::Vector2d goal_world_m = Eigen::Vector2d::Zero();
-  bool goal_is_final = true;  ///< there a policy slows down; not at a place on the way
   double preferred_speed_mps = 1.0;
   double max_speed_mps = 1.0;  ///< of what is commanded
   int id = 0;                  ///< differs from that of every neighbour
   bool parked = false;         ///< at its goal: stands there, steps aside for who asks, returns
+  /// Policies slow down before a goal, not before a place on the way to it.
+  bool goal_is_final = true;
 };
 
 /// Another vehicle. `motion.age_s` grows while it is not tracked.

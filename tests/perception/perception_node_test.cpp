@@ -100,7 +100,8 @@ class PerceptionNodeTest : public ::testing::Test {
     image.utime = utime;
     image.width = 320;
     image.height = 240;
-    image.jpeg = {0xFF, 0xD8};
+    // Its frame header says 320 x 240.
+    image.jpeg = {0xFF, 0xD8, 0xFF, 0xC0, 0x00, 0x11, 0x08, 0x00, 0xF0, 0x01, 0x40};
     image.jpeg.insert(image.jpeg.end(), bytes.begin(), bytes.end());
     bus::publish(lab_, "IMAGE_robot_front", bus::toMessage(image));
     deliver();

@@ -76,6 +76,10 @@ TEST(JpegSize, OfAnotherPictureThanTheMessageSaysIsRefusedBeforeItIsDecoded) {
   EXPECT_STREQ(
       core.onImage(0, {2'000'000, camera.width, camera.height, greyJpeg(2 * camera.width, 48)}),
       "its JPEG is of another size than it says");
+  // OpenCV would read these too, and ask for as much memory as they say.
+  const std::vector<std::uint8_t> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  EXPECT_STREQ(core.onImage(0, {3'000'000, camera.width, camera.height, png}),
+               "it is no JPEG, or cut off");
 }
 
 TEST(BoxFusion, VotesForWhoStandsNearestInTheBox) {
