@@ -72,12 +72,18 @@ function(roundabout_hot_path name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endfunction()
 
-# roundabout_executable(NAME SOURCES … LINK …): a program in <build>/bin.
+# roundabout_executable(NAME [MEASUREMENT] SOURCES … LINK …): a program in <build>/bin. MEASUREMENT: nobody needs it to
+# fly or to test, so it is built only on demand and by the target `measurements`.
+add_custom_target(measurements)
 function(roundabout_executable name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "MEASUREMENT" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE roundabout_options ${ARG_LINK})
   roundabout_use_precompiled(${name} roundabout_command_precompiled)
+  if(ARG_MEASUREMENT)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL TRUE)
+    add_dependencies(measurements ${name})
+  endif()
 endfunction()
 
 # roundabout_test(NAME SOURCES … LINK … [LABEL unit|contract|system|bench] [TIMEOUT s] [OPTIMIZE]): one GoogleTest
@@ -117,5 +123,5 @@ include(GoogleTest)
 # roundabout_benchmark(NAME SOURCES … LINK …): one Google Benchmark program.
 function(roundabout_benchmark name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
-  roundabout_executable(${name} SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} benchmark::benchmark)
+  roundabout_executable(${name} MEASUREMENT SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} benchmark::benchmark)
 endfunction()
