@@ -12,6 +12,7 @@
 
 #include "common/config/constraint.h"
 #include "common/config/experiment.h"
+#include "common/config/mocap_protocols.h"
 
 namespace roundabout::config {
 
@@ -310,8 +311,11 @@ void describe(Visitor& visit, MocapFilter& filter) {
   visit("reacquire_s", filter.reacquire_s, between(0.0, 1.0));
 }
 
-/// Protocols that mocap_bridge speaks: the entries of its table of sources.
-inline const std::vector<std::string> kMocapProtocols = {"natnet", "qualisys", "vrpn", "vicon_udp"};
+/// Protocols that mocap_bridge speaks.
+#define ROUNDABOUT_NAME_OF(protocol) #protocol,
+inline const std::vector<std::string> kMocapProtocols = {
+    ROUNDABOUT_MOCAP_PROTOCOLS(ROUNDABOUT_NAME_OF)};
+#undef ROUNDABOUT_NAME_OF
 
 template <class Visitor>
 void describe(Visitor& visit, Mocap& mocap) {

@@ -3,24 +3,24 @@
 #include <array>
 #include <string>
 
+#include "common/config/mocap_protocols.h"
 #include "common/core/error.h"
 
 namespace roundabout::mocap_bridge {
 
-Protocol natnetProtocol();
-Protocol qualisysProtocol();
-Protocol vrpnProtocol();
-Protocol viconUdpProtocol();
+#define ROUNDABOUT_DECLARE(name) \
+  namespace name {               \
+  Protocol protocol();           \
+  }
+ROUNDABOUT_MOCAP_PROTOCOLS(ROUNDABOUT_DECLARE)
+#undef ROUNDABOUT_DECLARE
 
+#define ROUNDABOUT_ENTRY(name) name::protocol(),
 std::span<const Protocol> protocols() {
-  static const std::array kProtocols = {
-      natnetProtocol(),
-      qualisysProtocol(),
-      vrpnProtocol(),
-      viconUdpProtocol(),
-  };
+  static const std::array kProtocols = {ROUNDABOUT_MOCAP_PROTOCOLS(ROUNDABOUT_ENTRY)};
   return kProtocols;
 }
+#undef ROUNDABOUT_ENTRY
 
 const Protocol& protocolNamed(std::string_view name) {
   std::string names;

@@ -19,7 +19,7 @@ struct Protocol {
   std::unique_ptr<Emulator> (*make_emulator)(const EmulatorSettings&);
 };
 
-/// All protocols, in the order of config::kMocapProtocols.
+/// All protocols, in the order of the table (common/config/mocap_protocols.h).
 std::span<const Protocol> protocols();
 /// Throws core::StartupError that lists the protocols.
 const Protocol& protocolNamed(std::string_view name);

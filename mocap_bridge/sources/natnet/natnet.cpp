@@ -29,8 +29,10 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 
 }  // namespace
 
-Protocol natnetProtocol() {
-  return {"natnet", "y_up", 0, makeSession, makeInterpreter, makeEmulator};
-}
+namespace natnet {
+
+Protocol protocol() { return {"natnet", "y_up", 0, makeSession, makeInterpreter, makeEmulator}; }
+
+}  // namespace natnet
 
 }  // namespace roundabout::mocap_bridge

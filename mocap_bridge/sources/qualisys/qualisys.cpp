@@ -203,8 +203,12 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 
 }  // namespace
 
-Protocol qualisysProtocol() {
+namespace qualisys {
+
+Protocol protocol() {
   return {"qualisys", "z_up", qualisys::kDefaultPort, makeSession, makeInterpreter, makeEmulator};
 }
+
+}  // namespace qualisys
 
 }  // namespace roundabout::mocap_bridge

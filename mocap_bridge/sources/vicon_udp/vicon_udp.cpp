@@ -67,8 +67,10 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 
 }  // namespace
 
-Protocol viconUdpProtocol() {
-  return {"vicon_udp", "z_up", 0, makeSession, makeInterpreter, makeEmulator};
-}
+namespace vicon_udp {
+
+Protocol protocol() { return {"vicon_udp", "z_up", 0, makeSession, makeInterpreter, makeEmulator}; }
+
+}  // namespace vicon_udp
 
 }  // namespace roundabout::mocap_bridge

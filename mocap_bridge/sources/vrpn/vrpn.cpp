@@ -107,8 +107,12 @@ std::unique_ptr<Emulator> makeEmulator(const EmulatorSettings& settings) {
 
 }  // namespace
 
-Protocol vrpnProtocol() {
+namespace vrpn {
+
+Protocol protocol() {
   return {"vrpn", "z_up", vrpn::kDefaultPort, makeSession, makeInterpreter, makeEmulator};
 }
+
+}  // namespace vrpn
 
 }  // namespace roundabout::mocap_bridge
