@@ -152,7 +152,9 @@ FlightResult Supervisor::run() {
 void Supervisor::listen() {
   try {
     bus_.handle(kStep);
-    showBridgeWarnings();
+    if (wallSeconds() - bridge_log_read_s_ >= kLogPeriod_s) {
+      showBridgeWarnings();
+    }
     reap();
     if (flying() && console_.progressDue()) {
       console_.progress(describe(monitor_->progress(), wallSeconds() - *first_state_s_));
@@ -219,6 +221,7 @@ void Supervisor::reap() {
 }
 
 void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
+  showBridgeWarnings();  // the last, too
   if (child.role == Role::kSim && status.clean()) {
     if (flying() && !monitor_->missionEnded()) {
       report(
@@ -247,11 +250,10 @@ void Supervisor::reportEnd(const Child& child, const ExitStatus& status) {
 }
 
 void Supervisor::showBridgeWarnings() {
-  const double now_s = wallSeconds();
-  if (!bridge_log_ || now_s - bridge_log_read_s_ < kLogPeriod_s) {
+  if (!bridge_log_) {
     return;
   }
-  bridge_log_read_s_ = now_s;
+  bridge_log_read_s_ = wallSeconds();
   for (const std::string& line : bridge_log_->newLines()) {
     std::istringstream words(line);
     std::string time, name, level, text;

@@ -135,9 +135,9 @@ struct MocapModel {
   double orientation_noise_rad = 0.002;
   double latency_s = 0.005;         ///< exposure to message
   double velocity_filter_s = 0.02;  ///< time constant of the velocity estimate from noisy positions
-  MocapFault dropout;  ///< of each vehicle: not seen
-  MocapFault flip;     ///< of each vehicle: seen the wrong way round
-  MocapFault swap;     ///< of the fleet: two vehicles are taken for each other
+  MocapFault dropout;               ///< of each vehicle: not seen
+  MocapFault flip;                  ///< of each vehicle: seen the wrong way round
+  MocapFault swap;                  ///< of the fleet: two vehicles are taken for each other
 };
 
 struct Area {

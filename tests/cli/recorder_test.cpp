@@ -69,5 +69,18 @@ TEST_F(RecorderTest, SaysThatTheLogLacksItsEndWhenTheLoggerHasDied) {
   EXPECT_THAT(recorder.close(), HasSubstr("killed by signal 9"));
 }
 
+TEST(FileFollower, GivesEveryLineOnceAndWhole) {
+  test::ScratchFolder scratch;
+  const std::filesystem::path file = scratch / "a.log";
+  FileFollower follower(file);
+  EXPECT_THAT(follower.newLines(), testing::IsEmpty());
+  std::ofstream log(file);
+  log << "one\ntw" << std::flush;
+  EXPECT_THAT(follower.newLines(), testing::ElementsAre("one"));
+  EXPECT_THAT(follower.newLines(), testing::IsEmpty());
+  log << "o\nthree\n" << std::flush;
+  EXPECT_THAT(follower.newLines(), testing::ElementsAre("two", "three"));
+}
+
 }  // namespace
 }  // namespace roundabout::cli

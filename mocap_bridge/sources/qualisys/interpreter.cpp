@@ -22,6 +22,7 @@ QualisysInterpreter::QualisysInterpreter(const config::Mocap& mocap) : clock_(mo
 void QualisysInterpreter::onConnection() {
   buffer_.clear();
   broken_ = false;
+  gap_ = false;
   names_known_ = false;
   from_file_ = false;
   state_unknown_ = false;
@@ -43,6 +44,7 @@ void QualisysInterpreter::onPacket(const mocap_bridge::Packet& packet, PacketSin
     ++counters_.malformed;
     sink.onPacket({"packet", "its size cannot be true", {}});
     buffer_.clear();
+    broken_ = !gap_;
     return;
   }
   buffer_.keep(stream.size());

@@ -25,7 +25,11 @@ class QualisysInterpreter final : public Interpreter {
 
   void onPacket(const mocap_bridge::Packet& packet, PacketSink& sink) override;
   void onConnection() override;
-  void onGap() override { buffer_.clear(); }
+  /// What follows may begin within a message: packets are passed over until one can be read.
+  void onGap() override {
+    buffer_.clear();
+    gap_ = true;
+  }
   std::vector<std::string> bodies() const override { return names_; }
 
   /// Since the last call.
@@ -48,6 +52,7 @@ class QualisysInterpreter final : public Interpreter {
   ExposureClock clock_;
   StreamBuffer buffer_;
   bool broken_ = false;
+  bool gap_ = false;  // of this connection, something is missing
   bool names_known_ = false;
   bool names_fit_ = true;
   bool from_file_ = false;

@@ -32,6 +32,7 @@ void VrpnInterpreter::onConnection() {
   buffer_.clear();
   greeted_ = false;
   broken_ = false;
+  gap_ = false;
   senders_.clear();
   types_.clear();
   clock_.reset();
@@ -59,6 +60,7 @@ void VrpnInterpreter::onPacket(const Packet& packet, PacketSink& sink) {
   if (broken_) {
     fail("message", "its length cannot be true", sink);
     buffer_.clear();
+    broken_ = !gap_;
     return;
   }
   buffer_.keep(stream.size());

@@ -20,7 +20,11 @@ class VrpnInterpreter final : public Interpreter {
   void onPacket(const Packet& packet, PacketSink& sink) override;
   /// A new connection has ids of its own.
   void onConnection() override;
-  void onGap() override { buffer_.clear(); }
+  /// What follows may begin within a message: packets are passed over until one can be read.
+  void onGap() override {
+    buffer_.clear();
+    gap_ = true;
+  }
   std::vector<std::string> bodies() const override;
 
   /// The stream cannot be read any further: connect again.
@@ -42,6 +46,7 @@ class VrpnInterpreter final : public Interpreter {
   StreamBuffer buffer_;
   bool greeted_ = false;
   bool broken_ = false;
+  bool gap_ = false;  // of this connection, something is missing
   std::string greeting_;
   std::map<std::int32_t, std::string> senders_;
   std::map<std::int32_t, std::string> types_;

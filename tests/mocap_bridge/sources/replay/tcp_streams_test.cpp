@@ -271,6 +271,27 @@ TEST_F(VrpnCapture, AGapCostsWhatWasInItAndIsSaid) {
   EXPECT_THAT(notes_, testing::HasSubstr("1 gap(s) in the stream"));
 }
 
+// Every pose comes in two segments, and one first half is lost.
+TEST_F(VrpnCapture, AGapThatEndsWithinAMessageCostsNoMore) {
+  const Connection connection;
+  connect(connection);
+  const Buffer hello = greeting(4, "hex1");
+  add(connection.said(0, hello));
+  auto place = static_cast<std::uint32_t>(hello.size());
+  for (int i = 0; i < 60; ++i) {
+    const Buffer bytes = pose(4);
+    const auto half = static_cast<std::uint32_t>(bytes.size() / 2);
+    if (i != 20) {
+      add(connection.said(place, Buffer(bytes.begin(), bytes.begin() + half)));
+    }
+    add(connection.said(place + half, Buffer(bytes.begin() + half, bytes.end())));
+    place += static_cast<std::uint32_t>(bytes.size());
+  }
+  const test::Collected all = replay();
+  EXPECT_EQ(counters_.malformed, 1);
+  EXPECT_NEAR(all.frames.back().bodies.at(0).position_m.x(), 0.6, 0.011);
+}
+
 TEST_F(VrpnCapture, StampsThatNoClockShowsSayNothing) {
   const Connection connection;
   connect(connection);
