@@ -13,17 +13,15 @@ namespace roundabout::perception {
 int runPerception(const PerceptionOptions& options, app::Context& context) {
   const config::Experiment& experiment = context.experiment;
   const config::Perception& settings = experiment.perception;
-  auto detector =
-      settings.detector == "none"
-          ? nullptr
-          : makePersonDetector(settings.detector, settings.detector_confidence, experiment.file);
+  auto detector = makePersonDetector(settings, experiment.file);
+  const std::string eyes = detector ? detector->name() : "nothing";
   app::requestRealTimePriority(app::kPlannerPriority);
   bus::LcmBus bus(context.lcm_url);
   // The bus's own thread is to be on time, those that look at images and keep the map are not.
   app::keepRealTimePriorityToThisThread();
   PerceptionNode node(experiment, options.vehicle, std::move(detector), bus);
-  spdlog::info("{} sees by {} and {} cameras with {} on {}", options.vehicle, settings.clusterer,
-               node.core().vehicle().cameras.size(), settings.detector, context.lcm_url);
+  spdlog::info("{} sees by {}, and in pictures of {} cameras by {}, on {}", options.vehicle,
+               settings.clusterer, node.core().vehicle().cameras.size(), eyes, context.lcm_url);
   constexpr std::chrono::milliseconds kAnnouncements{200};
   auto next_announcement = std::chrono::steady_clock::now();
   while (!context.stop.requested()) {

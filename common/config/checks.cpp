@@ -223,6 +223,16 @@ void checkPedestrians(const Experiment& experiment, const Refuse& refuse) {
 }
 
 void checkPerception(const Experiment& experiment, const Refuse& refuse) {
+  if (const auto& input = experiment.perception.network.input_px) {
+    constexpr double kMostPixels = 4096.0;
+    const bool fits = *input == input->array().round().matrix() && input->minCoeff() >= 1.0 &&
+                      input->maxCoeff() <= kMostPixels;
+    if (!fits) {
+      refuse("perception.network.input_px",
+             fmt::format("[width, height], whole numbers from 1 to {}", kMostPixels),
+             fmt::format("[{}, {}]", input->x(), input->y()));
+    }
+  }
   expectOrder("perception.depth_highest_m", experiment.perception.depth_highest_m, "depth_lowest_m",
               experiment.perception.depth_lowest_m, refuse);
   const bool used =

@@ -345,6 +345,15 @@ struct Pedestrians {
   Recording recording;  ///< these see nobody
 };
 
+/// Of a detector that is a file, where it differs from what is customary for its kind.
+struct DetectorNetwork {
+  std::optional<Eigen::Vector2d> input_px;  ///< width and height of the picture that it takes
+  std::optional<Eigen::Vector3d> mean;      ///< taken from the three colours, of 255, in its order
+  std::optional<double> scale;              ///< what is left is multiplied by
+  std::optional<bool> red_first;            ///< the order of colours: red, green, blue
+  std::optional<int> person_class;          ///< counted from 0, the background too
+};
+
 /// What a vehicle's perception makes of its scans and images; docs/perception.md.
 struct Perception {
   std::string clusterer = "breakpoints";  ///< entry of perception's table of clusterers
@@ -362,10 +371,11 @@ struct Perception {
   std::string map_file;              ///< path of a .bt file that is saved at the end; empty: none
   std::string detector = "hog";      ///< of people in images: hog, none, or the path of a model
   double detector_confidence = 0.5;  ///< boxes below are no people
-  double image_period_s = 0.2;       ///< of each camera; images between are not looked at
-  double image_delay_s = 0.3;        ///< boxes and depths count from so long after the exposure
-  double depth_lowest_m = 0.06;      ///< what depth cameras see between this height above the floor
-  double depth_highest_m = 0.8;      ///< and this one stands in the way
+  DetectorNetwork network;
+  double image_period_s = 0.2;   ///< of each camera; images between are not looked at
+  double image_delay_s = 0.3;    ///< boxes and depths count from so long after the exposure
+  double depth_lowest_m = 0.06;  ///< what depth cameras see between this height above the floor
+  double depth_highest_m = 0.8;  ///< and this one stands in the way
 };
 
 struct NamedPoints {

@@ -342,6 +342,15 @@ void describe(Visitor& visit, Mocap& mocap) {
 }
 
 template <class Visitor>
+void describe(Visitor& visit, DetectorNetwork& network) {
+  visit("input_px", network.input_px);
+  visit("mean", network.mean);
+  visit("scale", network.scale, above(0.0));
+  visit("red_first", network.red_first);
+  visit("person_class", network.person_class, between(0.0, 10'000.0));
+}
+
+template <class Visitor>
 void describe(Visitor& visit, Perception& perception) {
   visit("clusterer", perception.clusterer, oneOf({"breakpoints", "dynamic_means"}));
   visit("range_noise_m", perception.range_noise_m, between(0.0, 0.2));
@@ -358,6 +367,7 @@ void describe(Visitor& visit, Perception& perception) {
   visit("map_file", perception.map_file);
   visit("detector", perception.detector);
   visit("detector_confidence", perception.detector_confidence, between(0.0, 1.0));
+  visit("network", perception.network);
   visit("image_period_s", perception.image_period_s, above(0.0));
   visit("image_delay_s", perception.image_delay_s, between(0.0, 5.0));
   visit("depth_lowest_m", perception.depth_lowest_m, between(0.01, 10.0));

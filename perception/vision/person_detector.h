@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/config/experiment.h"
+
 namespace roundabout::perception {
 
 /// Where somebody is in an image. Pixels, from the upper left corner.
@@ -28,15 +30,14 @@ class PersonDetector {
 
   /// Nothing if the bytes are no picture that can be decoded. Never throws.
   virtual std::optional<std::vector<PersonBox>> detect(std::span<const std::uint8_t> jpeg) = 0;
+  /// What it is, in words.
   virtual std::string name() const = 0;
 };
 
-/// "hog": histograms of oriented gradients with the weights that OpenCV brings (Dalal, Triggs,
-/// CVPR 2005); else the path of an SSD or YOLO network that OpenCV's dnn reads (.onnx, .caffemodel
-/// beside a .prototxt, .pb). Throws core::StartupError naming `where` if the file is missing or is
-/// no network.
-std::unique_ptr<PersonDetector> makePersonDetector(const std::string& specification,
-                                                   double least_confidence,
+/// Of `settings.detector`: "hog": histograms of oriented gradients with the weights that OpenCV
+/// brings (Dalal, Triggs, CVPR 2005); "none": nullptr; else the path of a network
+/// (makeNetworkDetector). Throws core::StartupError naming `where`.
+std::unique_ptr<PersonDetector> makePersonDetector(const config::Perception& settings,
                                                    const std::string& where);
 
 }  // namespace roundabout::perception

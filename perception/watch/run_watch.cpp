@@ -45,10 +45,7 @@ void rememberImages(bus::Bus& bus, const config::Vehicle& vehicle, Sight& sight)
 int runWatch(const WatchOptions& options, app::Context& context) {
   const config::Experiment& experiment = context.experiment;
   const config::Perception& settings = experiment.perception;
-  auto detector =
-      settings.detector == "none"
-          ? nullptr
-          : makePersonDetector(settings.detector, settings.detector_confidence, experiment.file);
+  auto detector = makePersonDetector(settings, experiment.file);
   TopView view(experiment.room, options.record, !options.no_window && hasDisplay());
   bus::LcmBus bus(context.lcm_url);
   Sight sight;

@@ -104,7 +104,7 @@ TEST(BoxFusion, DoesNotTakeABoxOfAnotherSize) {
 }
 
 TEST(PersonDetector, SaysWhenBytesAreNoPicture) {
-  const auto hog = makePersonDetector("hog", 0.5, "test");
+  const auto hog = makePersonDetector({}, "test");
   const std::vector<std::uint8_t> garbage{0xFF, 0xD8, 1, 2, 3};
   EXPECT_FALSE(hog->detect(garbage));
   EXPECT_FALSE(hog->detect({}));
@@ -144,7 +144,7 @@ class RenderedPeople : public ::testing::Test {
   sim::CameraModel model_{camera_};
   std::vector<core::Polygon> obstacles_;
   sim::Stage stage_{obstacles_, {Eigen::Vector2d(-6.0, -6.0), Eigen::Vector2d(9.0, 6.0)}};
-  std::unique_ptr<PersonDetector> hog_ = makePersonDetector("hog", 0.5, "test");
+  std::unique_ptr<PersonDetector> hog_ = makePersonDetector({}, "test");
 };
 
 TEST_F(RenderedPeople, AreFoundWhereTheyStand) {
@@ -186,7 +186,7 @@ TEST_F(RenderedPeople, AreToldFromTheLegsOfAChair) {
   robot.lidar->beams = 1080;
   robot.lidar->max_range_m = 8.0;
   robot.cameras = {camera_};
-  PerceptionCore core(experiment, "robot", makePersonDetector("hog", 0.5, "test"));
+  PerceptionCore core(experiment, "robot", makePersonDetector({}, "test"));
   sim::Lidar lidar(*robot.lidar);
   const sim::Pedestrian somebody = person(1, 3.0, 0.6, 0.5, 0.0);
   const Eigen::Vector2d chair_m(3.0, -0.7);

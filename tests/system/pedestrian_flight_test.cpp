@@ -14,10 +14,9 @@ using testing::Not;
 
 class PedestrianFlight : public FlightLab {
  protected:
-  // Two people stand beside the way of a robot that sees by its lidar alone.
-  std::string crossing() const {
-    return write("crossing.yaml", R"(
-name: crossing
+  // The rest of the vehicle follows.
+  static std::string rover() {
+    return R"(
 room: {min_m: [-5, -5, 0], max_m: [5, 5, 3]}
 vehicles:
   - name: rover
@@ -26,7 +25,13 @@ vehicles:
     assumed_radius_m: 0.3
     body_radius_m: 0.25
     height_m: 0.3
-    start: {position_m: [-3, 0]}
+)";
+  }
+
+  // Two people stand beside the way of a robot that sees by its lidar alone.
+  std::string crossing() const {
+    return write("crossing.yaml", R"(
+name: crossing)" + rover() + R"(    start: {position_m: [-3, 0]}
     localised_by: odometry
     lidar: {beams: 720, field_of_view_rad: 6.2744, max_range_m: 10, noise_m: 0.01, sweep_s: 0.025}
 pedestrians:
@@ -62,16 +67,7 @@ TEST_F(PedestrianFlight, TheRobotSeesPeopleGoesRoundThemAndRepeats) {
 TEST_F(PedestrianFlight, TheRobotGoesRoundWhatOnlyItsDepthCameraSees) {
   const auto fly = [this](const std::string& cameras) {
     const std::string file = write("low_box.yaml", R"(
-name: low_box
-room: {min_m: [-5, -5, 0], max_m: [5, 5, 3]}
-vehicles:
-  - name: rover
-    model: ground_robot
-    preferred_speed_mps: 1.2
-    assumed_radius_m: 0.3
-    body_radius_m: 0.25
-    height_m: 0.3
-    start: {position_m: [-2.4, 0]}
+name: low_box)" + rover() + R"(    start: {position_m: [-2.4, 0]}
     lidar: {beams: 720, field_of_view_rad: 6.2744, max_range_m: 10, noise_m: 0.01, sweep_s: 0.025}
 )" + cameras + R"(
 planner: {policy: orca, others: tracks}

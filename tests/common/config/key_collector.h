@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "common/config/keys.h"
@@ -50,8 +51,18 @@ class KeyCollector {
     }
     keys_[path] = text + "]";
   }
-  void collect(const std::string& path, std::optional<double>& value) {
-    keys_[path] = value ? fmt(*value) : "";
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void collect(const std::string& path, std::optional<Number>& value) {
+    if (value) {
+      collect(path, *value);
+    }
+  }
+  template <int kSize>
+  void collect(const std::string& path, std::optional<Eigen::Matrix<double, kSize, 1>>& value) {
+    if (value) {
+      collect(path, *value);
+    }
   }
   template <class Struct>
   void collect(const std::string& path, std::optional<Struct>&) {

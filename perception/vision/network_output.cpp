@@ -1,0 +1,149 @@
+#include "perception/vision/network_output.h"
+
+namespace roundabout::perception {
+
+namespace {
+
+using Kind = NetworkOutput::Kind;
+
+constexpr int kCorners = 4;
+constexpr int kDetection = 7;
+
+/// The last dimension; those before it must be 1 but for one.
+int columnsOf(const cv::Mat& output) { return output.size[output.dims - 1]; }
+
+int rowsOf(const cv::Mat& output) {
+  return static_cast<int>(output.total()) / std::max(columnsOf(output), 1);
+}
+
+cv::Mat asTable(const cv::Mat& output) {
+  return {rowsOf(output), columnsOf(output), CV_32F, const_cast<uchar*>(output.ptr())};
+}
+
+std::optional<NetworkOutput> recogniseSplit(const std::vector<cv::Mat>& outputs) {
+  if (outputs.size() != 2 || rowsOf(outputs[0]) != rowsOf(outputs[1])) {
+    return std::nullopt;
+  }
+  const int boxes_at = columnsOf(outputs[0]) == kCorners ? 0 : 1;
+  const cv::Mat& scores = outputs[static_cast<std::size_t>(1 - boxes_at)];
+  if (columnsOf(outputs[static_cast<std::size_t>(boxes_at)]) != kCorners || columnsOf(scores) < 2) {
+    return std::nullopt;
+  }
+  return NetworkOutput{Kind::kSplit, columnsOf(scores), boxes_at};
+}
+
+std::optional<NetworkOutput> recogniseYolo(const cv::Mat& output) {
+  if (output.dims == 2) {
+    const int classes = columnsOf(output) - kCorners - 1;
+    const bool is_one_answer = rowsOf(output) == 1;  // of a classifier
+    return is_one_answer || classes < 1 ? std::nullopt
+                                        : std::optional(NetworkOutput{Kind::kRegions, classes});
+  }
+  if (output.dims != 3 || output.size[0] != 1) {
+    return std::nullopt;
+  }
+  // There are more boxes than numbers of a box.
+  const bool columns = output.size[1] < output.size[2];
+  const int numbers = columns ? output.size[1] : output.size[2];
+  const int before_scores = columns ? kCorners : kCorners + 1;
+  if (numbers <= before_scores) {
+    return std::nullopt;
+  }
+  return NetworkOutput{columns ? Kind::kColumns : Kind::kRows, numbers - before_scores};
+}
+
+void addDetections(const cv::Mat& rows, int person, cv::Size input, std::vector<PersonBox>& boxes) {
+  for (int i = 0; i < rows.rows; ++i) {
+    const float* row = rows.ptr<float>(i);
+    if (row[1] == static_cast<float>(person)) {
+      boxes.push_back({row[3] * input.width, row[4] * input.height, row[5] * input.width,
+                       row[6] * input.height, row[2]});
+    }
+  }
+}
+
+void addSplit(const cv::Mat& corners, const cv::Mat& scores, int person, double least_confidence,
+              cv::Size input, std::vector<PersonBox>& boxes) {
+  for (int i = 0; i < corners.rows; ++i) {
+    const float* corner = corners.ptr<float>(i);
+    const float confidence = scores.at<float>(i, person);
+    if (confidence >= least_confidence) {
+      boxes.push_back({corner[0] * input.width, corner[1] * input.height, corner[2] * input.width,
+                       corner[3] * input.height, confidence});
+    }
+  }
+}
+
+void addYolo(const cv::Mat& rows, Kind kind, int person, double least_confidence, cv::Size input,
+             std::vector<PersonBox>& boxes) {
+  const int score_at = (kind == Kind::kColumns ? kCorners : kCorners + 1) + person;
+  for (int i = 0; i < rows.rows; ++i) {
+    const float* row = rows.ptr<float>(i);
+    const float confidence = row[score_at] * (kind == Kind::kRows ? row[kCorners] : 1.0F);
+    if (!(confidence >= least_confidence)) {
+      continue;
+    }
+    // Darknet's are shares, and so are those of some exports: no person is 2 pixels wide and high.
+    const bool shares = kind == Kind::kRegions || (row[2] <= 2.0F && row[3] <= 2.0F);
+    const double across = shares ? input.width : 1.0;
+    const double along = shares ? input.height : 1.0;
+    boxes.push_back({(row[0] - row[2] / 2) * across, (row[1] - row[3] / 2) * along,
+                     (row[0] + row[2] / 2) * across, (row[1] + row[3] / 2) * along, confidence});
+  }
+}
+
+}  // namespace
+
+std::optional<NetworkOutput> recogniseOutput(const std::vector<cv::Mat>& outputs) {
+  for (const cv::Mat& output : outputs) {
+    if (output.type() != CV_32F || output.dims < 2 || output.empty()) {
+      return std::nullopt;
+    }
+  }
+  if (outputs.size() == 1 && outputs[0].dims == 4 && columnsOf(outputs[0]) == kDetection) {
+    return NetworkOutput{Kind::kDetections};
+  }
+  if (auto split = recogniseSplit(outputs)) {
+    return split;
+  }
+  std::optional<NetworkOutput> common;
+  for (const cv::Mat& output : outputs) {
+    const auto each = recogniseYolo(output);
+    if (!each || (common && (each->kind != common->kind || each->classes != common->classes))) {
+      return std::nullopt;
+    }
+    common = each;
+  }
+  return common;
+}
+
+int customaryPerson(const NetworkOutput& output) {
+  constexpr int kVocClasses = 20;
+  constexpr int kVocPerson = 14;
+  const int background = output.isYolo() ? 0 : 1;
+  return (output.classes == kVocClasses + background ? kVocPerson : 0) + background;
+}
+
+std::vector<PersonBox> readBoxes(const NetworkOutput& output, const std::vector<cv::Mat>& outputs,
+                                 int person, double least_confidence, cv::Size input) {
+  std::vector<PersonBox> boxes;
+  if (output.kind == Kind::kSplit) {
+    const auto boxes_at = static_cast<std::size_t>(output.boxes_at);
+    addSplit(asTable(outputs[boxes_at]), asTable(outputs[1 - boxes_at]), person, least_confidence,
+             input, boxes);
+    return boxes;
+  }
+  for (const cv::Mat& each : outputs) {
+    if (output.kind == Kind::kDetections) {
+      addDetections(asTable(each), person, input, boxes);
+    } else if (output.kind == Kind::kColumns) {
+      const cv::Mat columns(each.size[1], each.size[2], CV_32F, const_cast<uchar*>(each.ptr()));
+      addYolo(columns.t(), output.kind, person, least_confidence, input, boxes);
+    } else {
+      addYolo(asTable(each), output.kind, person, least_confidence, input, boxes);
+    }
+  }
+  return boxes;
+}
+
+}  // namespace roundabout::perception

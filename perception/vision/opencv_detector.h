@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "perception/vision/person_detector.h"
+
+namespace roundabout::perception {
+
+/// What all detectors share: decoding, that nothing is thrown, and what counts as a box.
+class OpenCvDetector : public PersonDetector {
+ public:
+  std::optional<std::vector<PersonBox>> detect(std::span<const std::uint8_t> jpeg) final {
+    try {
+      // cv::Mat takes no pointer to const, and only reads.
+      const cv::Mat bytes(1, static_cast<int>(jpeg.size()), CV_8UC1,
+                          const_cast<std::uint8_t*>(jpeg.data()));
+      const cv::Mat picture = jpeg.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_COLOR);
+      if (picture.empty()) {
+        return std::nullopt;
+      }
+      std::vector<PersonBox> boxes = find(picture);
+      std::erase_if(boxes, [this](const PersonBox& box) { return !counts(box); });
+      return boxes;
+    } catch (const cv::Exception&) {
+      return std::nullopt;
+    }
+  }
+
+ protected:
+  explicit OpenCvDetector(double least_confidence) : least_confidence_(least_confidence) {}
+
+  /// picture: 8 bits, blue, green, red.
+  virtual std::vector<PersonBox> find(const cv::Mat& picture) = 0;
+  double leastConfidence() const { return least_confidence_; }
+
+ private:
+  bool counts(const PersonBox& box) const {
+    return box.confidence >= least_confidence_ && std::isfinite(box.left) &&
+           std::isfinite(box.top) && std::isfinite(box.right) && std::isfinite(box.bottom) &&
+           box.right > box.left && box.bottom > box.top;
+  }
+
+  double least_confidence_;
+};
+
+}  // namespace roundabout::perception

@@ -1,0 +1,225 @@
+// People from SSD and YOLO networks: in every form that they come in, where they are in the
+// picture.
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "perception/vision/person_detector.h"
+#include "sim/sensors/jpeg.h"
+#include "tests/perception/network_files.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/startup_error.h"
+
+namespace roundabout::perception {
+namespace {
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 400;
+
+struct Colour {
+  std::uint8_t red;
+  std::uint8_t green;
+  std::uint8_t blue;
+};
+constexpr Colour kRed{255, 0, 0};
+constexpr Colour kBlue{0, 0, 255};
+
+/// Grey, with one block of a colour.
+std::vector<std::uint8_t> pictureWith(const Colour& colour, double left, double top, double right,
+                                      double bottom) {
+  std::vector<std::uint8_t> rgb;
+  for (int row = 0; row < kHeight; ++row) {
+    for (int column = 0; column < kWidth; ++column) {
+      const bool inside = column >= left && column < right && row >= top && row < bottom;
+      const Colour here = inside ? colour : Colour{110, 110, 110};
+      rgb.insert(rgb.end(), {here.red, here.green, here.blue});
+    }
+  }
+  return sim::encodeJpeg(rgb, kWidth, kHeight, 200'000);
+}
+
+struct Form {
+  std::string name;
+  std::string file;
+  std::function<void(const std::string& path)> write;
+  int width = 0;  // of the network's input
+  int height = 0;
+  bool letterbox = false;
+  std::string says;
+};
+
+void PrintTo(const Form& form, std::ostream* out) { *out << form.name; }
+
+class EveryForm : public ::testing::TestWithParam<Form> {
+ protected:
+  std::unique_ptr<PersonDetector> detector() {
+    const Form& form = GetParam();
+    settings_.detector = folder_.file(form.file);
+    settings_.network.input_px.emplace(form.width, form.height);
+    form.write(settings_.detector);
+    return makePersonDetector(settings_, "test");
+  }
+
+  /// A column of the network's input in the picture, and a row.
+  static double pictureX(double x) {
+    const Form& form = GetParam();
+    return form.letterbox ? (x - (form.width - kWidth * scale()) / 2) / scale()
+                          : x * kWidth / form.width;
+  }
+  static double pictureY(double y) {
+    const Form& form = GetParam();
+    return form.letterbox ? (y - (form.height - kHeight * scale()) / 2) / scale()
+                          : y * kHeight / form.height;
+  }
+  static double scale() {
+    return std::min(static_cast<double>(GetParam().width) / kWidth,
+                    static_cast<double>(GetParam().height) / kHeight);
+  }
+
+  /// With a block of a colour where the network's fourth cell is, in the fifth row.
+  static std::vector<std::uint8_t> pictureOf(const Colour& colour) {
+    return pictureWith(colour, pictureX(96), pictureY(128), pictureX(128), pictureY(160));
+  }
+
+  test::ScratchFolder folder_;
+  config::Perception settings_;
+};
+
+TEST_P(EveryForm, FindsWhoIsThereWhereHeIs) {
+  const auto boxes = detector()->detect(pictureOf(kRed));
+  ASSERT_TRUE(boxes);
+  ASSERT_EQ(boxes->size(), 1U);
+  const PersonBox& box = boxes->front();
+  EXPECT_GT(box.confidence, 0.8);
+  EXPECT_LE(box.confidence, 1.001);
+  // 64 wide and 96 high around the cell's middle.
+  EXPECT_NEAR(box.left, pictureX(80), 0.5);
+  EXPECT_NEAR(box.right, pictureX(144), 0.5);
+  EXPECT_NEAR(box.top, pictureY(96), 0.5);
+  EXPECT_NEAR(box.bottom, pictureY(192), 0.5);
+}
+
+TEST_P(EveryForm, TakesColoursInTheirOrder) {
+  const auto boxes = detector()->detect(pictureOf(kBlue));
+  ASSERT_TRUE(boxes);
+  EXPECT_TRUE(boxes->empty());
+}
+
+TEST_P(EveryForm, LeavesOutWhoIsNoPersonForSure) {
+  settings_.detector_confidence = 0.5;
+  const Colour reddish{200, 110, 110};  // 0.35 redder than the rest
+  const auto sure = detector()->detect(pictureOf(reddish));
+  ASSERT_TRUE(sure);
+  EXPECT_TRUE(sure->empty());
+}
+
+TEST_P(EveryForm, SaysWhatItIs) {
+  const std::string name = detector()->name();
+  EXPECT_NE(name.find(GetParam().says), std::string::npos) << name;
+  EXPECT_NE(name.find(GetParam().file), std::string::npos) << name;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Networks, EveryForm,
+    ::testing::Values(
+        Form{"yolo5", "n.onnx", [](const auto& path) { test::writeYolo5(path, 640, 512, 80, 0); },
+             640, 512, true, "YOLO, 640 x 512 pixels, class 0 of 80"},
+        Form{"yolo8", "n.onnx", [](const auto& path) { test::writeYolo8(path, 512, 416, 80, 0); },
+             512, 416, true, "YOLO, 512 x 416 pixels, class 0 of 80"},
+        Form{"yolo8_voc", "n.onnx",
+             [](const auto& path) { test::writeYolo8(path, 320, 320, 20, 14); }, 320, 320, true,
+             "class 14 of 20"},
+        Form{"darknet", "n.weights", [](const auto& path) { test::writeDarknet(path, 320, 256); },
+             320, 256, true, "YOLO, 320 x 256 pixels, class 0 of 1"},
+        Form{"caffe_ssd", "n.caffemodel", test::writeCaffeSsd, 300, 300, false,
+             "SSD, 300 x 300 pixels, class 15"},
+        Form{"onnx_ssd_voc", "n.onnx",
+             [](const auto& path) { test::writeOnnxSsd(path, 320, 256, 21, 15); }, 320, 256, false,
+             "SSD, 320 x 256 pixels, class 15 of 21"},
+        Form{"onnx_ssd_coco", "n.onnx",
+             [](const auto& path) { test::writeOnnxSsd(path, 320, 320, 81, 1); }, 320, 320, false,
+             "class 1 of 81"}),
+    [](const auto& each) { return each.param.name; });
+
+class NetworkDetector : public ::testing::Test {
+ protected:
+  std::unique_ptr<PersonDetector> make() { return makePersonDetector(settings_, "lab.yaml"); }
+  std::string refusal() {
+    return test::startupErrorOf([this] { make(); });
+  }
+
+  test::ScratchFolder folder_;
+  config::Perception settings_ = [this] {
+    config::Perception settings;
+    settings.detector = folder_.file("n.onnx");
+    settings.network.input_px.emplace(320, 320);
+    return settings;
+  }();
+};
+
+TEST_F(NetworkDetector, KnowsAPersonByTheClassThatTheFileSays) {
+  test::writeYolo8(settings_.detector, 320, 320, 3, 2);
+  const auto red = pictureWith(kRed, 192, 136, 256, 200);
+  EXPECT_EQ(make()->detect(red)->size(), 0U);
+  settings_.network.person_class = 2;
+  EXPECT_EQ(make()->detect(red)->size(), 1U);
+}
+
+TEST_F(NetworkDetector, TakesThePictureAsTheFileSays) {
+  test::writeYolo8(settings_.detector, 320, 320, 1, 0);
+  const auto red = pictureWith(kRed, 192, 136, 256, 200);
+  EXPECT_EQ(make()->detect(red)->size(), 1U);
+  settings_.network.red_first = false;
+  EXPECT_EQ(make()->detect(red)->size(), 0U);
+  settings_.network.red_first = true;
+  settings_.network.scale = 0.4 / 255.0;
+  EXPECT_EQ(make()->detect(red)->size(), 0U);
+  settings_.network.scale.reset();
+  settings_.network.mean.emplace(140.0, 0.0, 0.0);
+  EXPECT_EQ(make()->detect(red)->size(), 0U);
+}
+
+TEST_F(NetworkDetector, RefusesASizeThatTheNetworkDoesNotTake) {
+  test::writeYolo5(settings_.detector, 320, 256, 1, 0);
+  const std::string said = refusal();
+  EXPECT_NE(said.find("lab.yaml: perception.network.input_px"), std::string::npos) << said;
+  EXPECT_NE(said.find("320 x 320 pixels"), std::string::npos) << said;
+}
+
+TEST_F(NetworkDetector, RefusesWhatSaysNoBoxes) {
+  test::writeClassifier(settings_.detector, 320, 320, 10);
+  const std::string said = refusal();
+  EXPECT_NE(said.find("perception.detector"), std::string::npos) << said;
+  EXPECT_NE(said.find("whose output is 1 x 10"), std::string::npos) << said;
+}
+
+TEST_F(NetworkDetector, RefusesAClassThatTheNetworkDoesNotHave) {
+  test::writeYolo8(settings_.detector, 320, 320, 3, 2);
+  settings_.network.person_class = 3;
+  const std::string said = refusal();
+  EXPECT_NE(said.find("perception.network.person_class: expected below 3"), std::string::npos)
+      << said;
+}
+
+TEST_F(NetworkDetector, RefusesATornFile) {
+  test::writeYolo8(settings_.detector, 320, 320, 3, 2);
+  std::filesystem::resize_file(settings_.detector,
+                               std::filesystem::file_size(settings_.detector) / 2);
+  const std::string said = refusal();
+  EXPECT_NE(said.find("perception.detector"), std::string::npos) << said;
+  EXPECT_NE(said.find(settings_.detector), std::string::npos) << said;
+}
+
+TEST_F(NetworkDetector, RefusesWeightsWithoutTheFileBesideThem) {
+  settings_.detector = folder_.file("n.caffemodel");
+  test::writeCaffeSsd(settings_.detector);
+  std::filesystem::remove(folder_.file("n.prototxt"));
+  const std::string said = refusal();
+  EXPECT_NE(said.find("n.prototxt\" beside the weights"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace roundabout::perception
