@@ -65,6 +65,28 @@ double rewardAt(const LearningCurve& curve, double episodes) {
   return curve.reward[i - 1] + share * (curve.reward[i] - curve.reward[i - 1]);
 }
 
+/// "out/lstm.1/" is "lstm.1".
+std::string nameOf(const std::string& run) {
+  const std::filesystem::path path = std::filesystem::path(run).lexically_normal();
+  return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
+}
+
+/// Of a group's figure: episodes, and the mean reward less its deviation, itself, and more.
+std::vector<std::string> rowsOf(const std::vector<std::string>& runs) {
+  std::vector<LearningCurve> curves;
+  for (const std::string& run : runs) {
+    curves.push_back(readLearningCurve(run));
+  }
+  const LearningBand band = bandOf(curves);
+  std::vector<std::string> rows;
+  for (std::size_t i = 0; i < band.episodes.size(); ++i) {
+    rows.push_back(fmt::format("{:.0f} {:.5f} {:.5f} {:.5f}", band.episodes[i],
+                               band.mean[i] - band.deviation[i], band.mean[i],
+                               band.mean[i] + band.deviation[i]));
+  }
+  return rows;
+}
+
 }  // namespace
 
 LearningCurve readLearningCurve(const std::string& run) {
@@ -120,35 +142,54 @@ LearningBand bandOf(const std::vector<LearningCurve>& curves) {
   return band;
 }
 
-std::string drawTraining(const std::vector<std::string>& runs, const std::string& folder) {
-  std::vector<LearningCurve> curves;
+std::vector<RunGroup> groupsOf(const std::vector<std::string>& runs) {
+  std::vector<RunGroup> groups;
   for (const std::string& run : runs) {
-    curves.push_back(readLearningCurve(run));
+    const std::string folder = nameOf(run);
+    const std::size_t dot = folder.rfind('.');
+    const bool has_seed = dot != std::string::npos && dot + 1 < folder.size() &&
+                          folder.find_first_not_of("0123456789", dot + 1) == std::string::npos;
+    const std::string name = has_seed ? folder.substr(0, dot) : "";
+    auto group = std::find_if(groups.begin(), groups.end(),
+                              [&](const RunGroup& each) { return each.name == name; });
+    if (group == groups.end()) {
+      group = groups.insert(groups.end(), {name, {}});
+    }
+    group->runs.push_back(run);
   }
-  const LearningBand band = bandOf(curves);
-  std::vector<std::string> rows;
-  for (std::size_t i = 0; i < band.episodes.size(); ++i) {
-    rows.push_back(fmt::format("{:.0f} {:.5f} {:.5f} {:.5f}", band.episodes[i],
-                               band.mean[i] - band.deviation[i], band.mean[i],
-                               band.mean[i] + band.deviation[i]));
-  }
+  return groups;
+}
+
+std::string drawTraining(const std::vector<std::string>& runs, const std::string& folder) {
+  const std::vector<RunGroup> groups = groupsOf(runs);
+  plot::GnuplotScript script;
+  constexpr plot::CanvasSize kSize{800, 450};
   std::filesystem::create_directories(folder);
   const std::filesystem::path path(folder);
   const plot::PictureFiles files{path / "training.png", path / "training.svg"};
-  constexpr plot::CanvasSize kSize{800, 450};
-  const std::string color = plot::hex(plot::vehicleColor(0, 1));
-  plot::GnuplotScript script;
   plot::beginFigure(script, kSize,
                     runs.size() == 1 ? "Training" : fmt::format("Training, {} runs", runs.size()));
   script.line("set xlabel 'episodes'");
   script.line("set ylabel 'rolling reward'");
   script.line("set grid");
-  script.data("band", rows);
-  plot::endFigure(
-      script, kSize, files,
-      fmt::format("plot $band using 1:2:4 with filledcurves fc rgb \"{0}\" fs transparent solid "
-                  "0.25 noborder notitle, $band using 1:3 with lines lw 2 lc rgb \"{0}\" notitle",
-                  color));
+  script.line("set rmargin 6");
+  if (groups.size() > 1) {
+    script.line("set key right bottom noenhanced");
+  }
+  std::string bands;
+  std::string means;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    script.data(fmt::format("band{}", i), rowsOf(groups[i].runs));
+    const std::string color = plot::hex(plot::vehicleColor(i, groups.size()));
+    const std::string title =
+        groups.size() > 1 ? fmt::format("title \"{}\"", groups[i].name) : "notitle";
+    bands += fmt::format(
+        "{}$band{} using 1:2:4 with filledcurves fc rgb \"{}\" fs transparent solid 0.2 noborder "
+        "notitle",
+        bands.empty() ? "plot " : ", ", i, color);
+    means += fmt::format(", $band{} using 1:3 with lines lw 2 lc rgb \"{}\" {}", i, color, title);
+  }
+  plot::endFigure(script, kSize, files, bands + means);
   script.run();
   return files.png;
 }

@@ -24,8 +24,16 @@ LearningCurve readLearningCurve(const std::string& run);
 
 LearningBand bandOf(const std::vector<LearningCurve>& curves);
 
-/// The paper's training figure: mean and standard deviation over runs. Writes folder/training.png
-/// and .svg; returns the first.
+/// Runs that are several of one kind: of folders NAME.SEED those of equal NAME, with NAME; all
+/// others together, without a name. In the order in which they come.
+struct RunGroup {
+  std::string name;
+  std::vector<std::string> runs;
+};
+std::vector<RunGroup> groupsOf(const std::vector<std::string>& runs);
+
+/// The paper's training figure: mean and standard deviation over the runs of each group. Writes
+/// folder/training.png and .svg; returns the first.
 std::string drawTraining(const std::vector<std::string>& runs, const std::string& folder);
 
 }  // namespace roundabout::learning

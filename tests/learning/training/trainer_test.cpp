@@ -135,6 +135,16 @@ TEST(TrainingFigure, BandIsMeanAndDeviationOfRunsAtTheSameEpisodes) {
   EXPECT_NEAR(band.deviation.front(), 0.5 / std::sqrt(2.0), 1e-12);
 }
 
+TEST(TrainingFigure, TakesRunsOfOneNameTogether) {
+  const auto groups = groupsOf({"out/lstm.1", "ws4.1/", "out/lstm.20", "other", "x.y"});
+  ASSERT_EQ(groups.size(), 3U);
+  EXPECT_EQ(groups[0].name, "lstm");
+  EXPECT_EQ(groups[0].runs, (std::vector<std::string>{"out/lstm.1", "out/lstm.20"}));
+  EXPECT_EQ(groups[1].name, "ws4");
+  EXPECT_EQ(groups[2].name, "");
+  EXPECT_EQ(groups[2].runs, (std::vector<std::string>{"other", "x.y"}));
+}
+
 TEST(Trainer, LearnsToGoToItsGoal) {
   Recipe recipe = test::smallRecipe();
   recipe.ppo.environments = 64;
