@@ -15,13 +15,34 @@ folder = tempfile.TemporaryDirectory()
 log = os.path.join(folder.name, "transport.lcm")
 payloads = [bytes([size % 251]) * size for size in (0, 1, 100, 65480, 65499, 65500, 150000, 200000)]
 
-logger = subprocess.Popen(["lcm-logger", "-q", "-f", "--lcm-url=" + url, log])
-time.sleep(1.0)
+
+
+def wait_until(what, is_so):
+    deadline = time.monotonic() + 20.0
+    while not is_so():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.05)
+
+
+def logged():
+    return os.path.getsize(log) if os.path.exists(log) else 0
+
+
+logger = subprocess.Popen(["lcm-logger", "-q", "--flush-interval=50", "-f", "--lcm-url=" + url, log])
 sender = Transport(url)
+
+
+def logged_with_a_nudge():
+    """lcm-logger writes out what it has when more comes."""
+    sender.publish("NUDGE", b"")
+    return logged()
+
+
+wait_until("lcm-logger listens", lambda: logged_with_a_nudge() > 0)
 for payload in payloads:
+    before = logged()
     sender.publish("TRANSPORT_TEST", payload)
-    time.sleep(0.05)
-time.sleep(0.5)
+    wait_until(f"{len(payload)} bytes are in the log", lambda: logged_with_a_nudge() > before + len(payload))
 logger.terminate()
 logger.wait()
 
@@ -29,7 +50,7 @@ heard = []
 receiver = Transport(url)
 receiver.subscribe("TRANSPORT_TEST", lambda channel, data: heard.append(data))
 player = subprocess.Popen(["lcm-logplayer", "--lcm-url=" + url, log], stdout=subprocess.DEVNULL)
-deadline = time.monotonic() + 10.0
+deadline = time.monotonic() + 30.0
 while len(heard) < len(payloads) and time.monotonic() < deadline:
     receiver.handle(0.1)
 player.wait()
