@@ -27,14 +27,6 @@ ParameterLayout::ParameterLayout(std::vector<planner::nn::TensorSpec> tensors)
   }
 }
 
-Eigen::Index ParameterLayout::count() const {
-  Eigen::Index count = 0;
-  for (const planner::nn::TensorSpec& tensor : tensors_) {
-    count += countOf(tensor);
-  }
-  return count;
-}
-
 ParameterLayout::Layer ParameterLayout::layer(const std::string& name) const {
   const std::string kernel = name + "/kernel";
   const auto spec = std::find_if(tensors_.begin(), tensors_.end(),

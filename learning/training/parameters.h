@@ -32,8 +32,6 @@ class ParameterLayout {
 
   /// Tensors begin at multiples of 16; what lies between them is always zero.
   Eigen::Index size() const { return size_; }
-  /// Without what lies between them.
-  Eigen::Index count() const;
   bool has(const std::string& layer) const { return begins_.contains(layer + "/kernel"); }
   /// NAME/kernel and NAME/bias.
   Layer layer(const std::string& name) const;
