@@ -1,5 +1,7 @@
 #include "learning/training/run_folder.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -128,6 +130,16 @@ void RunFolder::saveCheckpoint(const Trainer& trainer, const Expense& expense) {
   note("best_cost_s", std::min(best_cost_s_, 1e9));
   planner::nn::writeSafetensors(*this / kCheckpoint, file);
   planner::nn::writeSafetensors(*this / "network.safetensors",
+                                networkFile(trainer, expense, "not judged"));
+}
+
+void RunFolder::saveStage(const Trainer& trainer, const Expense& expense,
+                          const std::string& stage) {
+  std::string name = stage;
+  std::replace_if(
+      name.begin(), name.end(),
+      [](unsigned char character) { return std::isalnum(character) == 0; }, '_');
+  planner::nn::writeSafetensors(*this / ("after_" + name + ".safetensors"),
                                 networkFile(trainer, expense, "not judged"));
 }
 

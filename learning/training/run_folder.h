@@ -37,6 +37,7 @@ class FolderLock {
 ///   validation.csv          one row for each validation and number of agents
 ///   checkpoint.safetensors  where `--resume` continues
 ///   network.safetensors     the averaged network as it is
+///   after_STAGE.safetensors what it was at the end of a stage that another followed
 ///   best.safetensors        that of the lowest validation cost so far
 /// All files are whole at any time.
 class RunFolder {
@@ -50,6 +51,7 @@ class RunFolder {
   const Recipe& recipe() const { return recipe_; }
 
   void saveCheckpoint(const Trainer& trainer, const Expense& expense);
+  void saveStage(const Trainer& trainer, const Expense& expense, const std::string& stage);
   struct Checkpoint {
     TrainingState state;
     Expense expense;

@@ -99,6 +99,7 @@ class Session {
       return judgeAndSave();
     }
     while (trainer_->state().agent_steps < total) {
+      const std::string stage = stageNow();
       const IterationFigures figures = trainer_->iterate();
       reward_.add(figures.reward, static_cast<double>(figures.episodes));
       success_.add(figures.success, static_cast<double>(figures.episodes));
@@ -110,6 +111,9 @@ class Session {
       if (ended) {
         trainer_->renewEnvironments();
         return judgeAndSave();
+      }
+      if (stageNow() != stage) {
+        folder_.saveStage(*trainer_, watch_->read(), stage);
       }
       if (passed(last_validation_, steps, recipe.validation.every_agent_steps)) {
         judge();
@@ -134,6 +138,11 @@ class Session {
                         static_cast<long>(static_cast<double>(last) / every);
     last = now;
     return is_due;
+  }
+
+  std::string stageNow() const {
+    const auto steps = static_cast<double>(trainer_->state().agent_steps);
+    return stageAt(folder_.recipe(), steps).stage->name;
   }
 
   void report(const IterationFigures& figures, long total) {

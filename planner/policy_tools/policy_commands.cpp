@@ -13,6 +13,7 @@
 #include "planner/nn/safetensors.h"
 #include "planner/policies/cadrl/published.h"
 #include "planner/policies/ga3c_cadrl/weights.h"
+#include "planner/policy_tools/average_weights.h"
 #include "planner/policy_tools/gates/figure.h"
 #include "planner/policy_tools/import_checkpoint.h"
 #include "planner/policy_tools/info.h"
@@ -61,6 +62,20 @@ void addInfo(CLI::App& policy) {
   CLI::App* command = policy.add_subcommand("info", "Say what a weight file holds");
   command->add_option("FILE", *path, "FILE.safetensors")->required();
   command->callback([path] { printWeightsInfo(*path, std::cout); });
+}
+
+void addAverage(CLI::App& policy) {
+  struct Arguments {
+    std::vector<std::string> paths;
+    std::string output;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = policy.add_subcommand(
+      "average", "Write the mean of a network's weights in several states of its training");
+  command->add_option("FILE", arguments->paths, "FILE.safetensors; two or more")->required();
+  command->add_option("-o,--output", arguments->output, "FILE.safetensors")->required();
+  command->callback(
+      [arguments] { nn::writeSafetensors(arguments->output, averageWeights(arguments->paths)); });
 }
 
 void addQuery(CLI::App& policy) {
@@ -126,6 +141,7 @@ void addPolicyCommands(CLI::App& parent) {
   policy->require_subcommand(1);
   addImport(*policy);
   addInfo(*policy);
+  addAverage(*policy);
   addQuery(*policy);
   addGates(*policy);
 }

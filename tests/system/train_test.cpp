@@ -21,7 +21,8 @@ checkpoint_agent_steps: 300
 ppo: {environments: 8, steps: 8, minibatch: 128}
 validation: {every_agent_steps: 1000, agents: [2], cases: 2}
 stages:
-  - {name: tiny, agent_steps: 6000, max_agents: 3}
+  - {name: a first, agent_steps: 1000, max_agents: 3}
+  - {name: tiny, agent_steps: 5000, max_agents: 3}
 )";
 
 class Train : public FlightLab {
@@ -45,8 +46,9 @@ class Train : public FlightLab {
 TEST_F(Train, LeavesNetworksThatFlyAndFigures) {
   const Ended ended = run("roundabout", arguments("run"));
   EXPECT_TRUE(ended.status.clean()) << ended.status.describe();
-  for (const char* file : {"recipe.yaml", "progress.csv", "validation.csv", "network.safetensors",
-                           "best.safetensors", "checkpoint.safetensors"}) {
+  for (const char* file :
+       {"recipe.yaml", "progress.csv", "validation.csv", "network.safetensors",
+        "after_a_first.safetensors", "best.safetensors", "checkpoint.safetensors"}) {
     EXPECT_GT(std::filesystem::file_size(scratch_ / "run" / file), 50u) << file;
   }
   const Ended flown =
@@ -55,6 +57,13 @@ TEST_F(Train, LeavesNetworksThatFlyAndFigures) {
            "--generate", "circle", "--agents", "2", "--count", "1", "--no-figures", "--out",
            (scratch_ / "flown").string()});
   EXPECT_TRUE(flown.status.clean()) << flown.status.describe();
+  const std::string mean = scratch_ / "mean.safetensors";
+  const Ended averaged =
+      run("roundabout", {"policy", "average", scratch_ / "run/after_a_first.safetensors",
+                         scratch_ / "run/network.safetensors", "-o", mean});
+  EXPECT_TRUE(averaged.status.clean()) << averaged.status.describe();
+  EXPECT_THAT(fileOf("mean.safetensors").metadata.at("provenance"),
+              HasSubstr("mean of 2 networks: trained by roundabout train"));
 }
 
 TEST_F(Train, EndsTheSameWhenItWasKilledAndResumed) {
