@@ -28,8 +28,17 @@ constexpr double kFreeRange_m = 6.0;
 // A track nearer than this to another vehicle's middle is that vehicle.
 constexpr double kAtVehicle_m = 0.3;
 constexpr double kSilentPeriods = 5.0;
+// Of a picture's time stamp to the newest pose: poses and pictures come on ways of their own.
+constexpr double kMostAhead_s = 0.5;
+// Poses are remembered so much longer than pictures wait.
+constexpr double kLongerThanDelay_s = 2.0;
 constexpr double kManyUnusable = 0.1;
 constexpr double kRoomMargin_m = 1.0;
+
+/// Of a picture's exposure, to what is known at a time.
+bool isAhead(core::Utime exposure, core::Utime now) {
+  return exposure > now + core::toUtime(kMostAhead_s);
+}
 
 std::size_t indexOf(const config::Experiment& experiment, const std::string& name) {
   for (std::size_t i = 0; i < experiment.vehicles.size(); ++i) {
@@ -69,7 +78,8 @@ PerceptionCore::PerceptionCore(const config::Experiment& experiment, const std::
       publish_timer_(experiment.perception.map_publish_hz),
       blind_timer_(kBlindRate_hz),
       poses_({experiment.vehicles[own_index_].top_speed_mps, experiment.safety.jump_margin_m,
-              experiment.safety.max_rejects_in_a_row}) {
+              experiment.safety.max_rejects_in_a_row,
+              experiment.perception.image_delay_s + kLongerThanDelay_s}) {
   vehicle_ = experiment.vehicles[own_index_];
   newest_image_.resize(vehicle_.cameras.size(), 0);
   last_image_.resize(vehicle_.cameras.size(), 0);
@@ -85,7 +95,7 @@ const char* PerceptionCore::onFrame(const core::StatesFrame& frame) {
   }
   if (verdict == core::FrameVerdict::kNewEpoch) {
     poses_.clear();
-    forget();
+    beginEpoch();
   }
   const char* reason = nullptr;
   others_.clear();
@@ -132,7 +142,7 @@ const char* PerceptionCore::onScan(const core::LaserScan& scan) {
     return reason;
   }
   if (scans_.newEpoch()) {
-    forget();
+    beginEpoch();
   }
   waiting_.push_back(scan);
   if (waiting_.size() > kMostWaiting) {
@@ -151,7 +161,14 @@ const char* PerceptionCore::judgeImage(std::size_t camera, core::Utime exposure,
     ++rejected_.images;
     return "another size than its camera's in the experiment file";
   }
-  if (exposure <= last_image_[camera] && last_image_[camera] - exposure < core::kFarAhead) {
+  const bool can_judge = !poses_.empty();
+  if (can_judge && isAhead(exposure, poses_.newest())) {
+    ++rejected_.images;
+    return "its time stamp is ahead of the poses";
+  }
+  // One from before the first pose may have been of any time.
+  const bool last_is_true = !can_judge || !isAhead(last_image_[camera], poses_.newest());
+  if (last_is_true && exposure <= last_image_[camera]) {
     ++rejected_.images;
     return "its time stamp is old";
   }
@@ -258,6 +275,8 @@ void PerceptionCore::useScan(const core::LaserScan& scan, const PlanarPose& begi
 
 void PerceptionCore::useBoxes(core::Utime now) {
   const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
+  rejected_.images += static_cast<std::int64_t>(
+      std::erase_if(looking_, [now](const Looking& each) { return isAhead(each.exposure, now); }));
   while (!looking_.empty() && looking_.front().exposure + delay <= now) {
     const auto boxes = looking_.front().boxes.get();
     const config::Camera& camera = vehicle_.cameras[looking_.front().camera];
@@ -277,6 +296,8 @@ void PerceptionCore::useBoxes(core::Utime now) {
 void PerceptionCore::useDepths(core::Utime now) {
   const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
   const core::Utime believed_from = first_used_scan_ + core::toUtime(kBeginning_s);
+  rejected_.images += static_cast<std::int64_t>(std::erase_if(
+      waiting_depths_, [now](const Depths& each) { return isAhead(each.image.utime, now); }));
   while (!waiting_depths_.empty() && waiting_depths_.front().image.utime + delay <= now) {
     Depths depths = std::move(waiting_depths_.front());
     waiting_depths_.pop_front();
@@ -284,25 +305,40 @@ void PerceptionCore::useDepths(core::Utime now) {
     const std::optional<PlanarPose> pose = poses_.at(exposure);
     if (!pose) {
       ++rejected_.images;
-    } else if (exposure >= believed_from && views_.size() < kMostDepths) {
+    } else if (exposure >= believed_from) {
+      if (views_.size() == kMostDepths) {
+        views_.erase(views_.begin());
+        ++rejected_.images;
+      }
       views_.push_back({std::move(depths.image), vehicle_.cameras[depths.camera], *pose,
                         agentsAt(exposure, now)});
     }
   }
 }
 
-/// Everybody who may be an agent, and other vehicles, where they were a moment ago.
+/// Everybody who may be an agent, and other vehicles that are not above all that is mapped, where
+/// they were a moment ago.
 std::vector<KeptOut> PerceptionCore::agentsAt(core::Utime utime, core::Utime now) const {
+  const config::Perception& settings = experiment_.perception;
   const double ago_s = core::toSeconds(now - utime);
   std::vector<KeptOut> agents;
   for (const Track& track : finder_.tracker().all()) {
-    const double radius_m = std::max(experiment_.perception.person_radius_m, track.half_width_m);
-    agents.push_back(
-        {track.filter.position() - ago_s * track.filter.velocity(), radius_m + kAroundAgent_m});
+    const bool stands = finder_.tracker().classOf(track) == core::AgentClass::kStatic;
+    const double least_m = stands ? settings.least_radius_m : settings.person_radius_m;
+    agents.push_back({track.filter.position() - ago_s * track.filter.velocity(),
+                      std::max(least_m, track.half_width_m) + kAroundAgent_m});
   }
   for (const core::VehicleState& other : others_) {
-    agents.push_back({other.position_world_m.head<2>() - ago_s * other.velocity_world_mps.head<2>(),
-                      kAtVehicle_m + kAroundAgent_m});
+    const auto known =
+        std::find_if(experiment_.vehicles.begin(), experiment_.vehicles.end(),
+                     [&](const config::Vehicle& vehicle) { return vehicle.name == other.name; });
+    const double radius_m =
+        known == experiment_.vehicles.end() ? kAtVehicle_m : known->body_radius_m;
+    if (other.position_world_m.z() - radius_m <= settings.depth_highest_m) {
+      agents.push_back(
+          {other.position_world_m.head<2>() - ago_s * other.velocity_world_mps.head<2>(),
+           radius_m + kAroundAgent_m});
+    }
   }
   return agents;
 }
@@ -375,10 +411,25 @@ void PerceptionCore::judgeHealth(core::AgentTracks& tracks) const {
     const config::Camera& camera = vehicle_.cameras[i];
     if ((detector_ || camera.depth) &&
         core::toSeconds(tracks.utime - last_image_[i]) > kSilentPeriods / camera.rate_hz) {
-      tracks.health = core::PerceptionHealth::kDegraded;
-      tracks.reason = fmt::format("camera {} is silent", camera.name);
+      // What only its depths would have shown is in nobody's way: the robot must not drive on.
+      tracks.health =
+          camera.depth ? core::PerceptionHealth::kBlind : core::PerceptionHealth::kDegraded;
+      tracks.reason =
+          fmt::format("{}camera {} is silent", camera.depth ? "depth " : "", camera.name);
+      if (camera.depth) {
+        return;
+      }
     }
   }
+}
+
+void PerceptionCore::beginEpoch() {
+  forget();
+  std::fill(newest_image_.begin(), newest_image_.end(), 0);
+  std::fill(last_image_.begin(), last_image_.end(), 0);
+  map_timer_ = core::TickTimer(experiment_.perception.map_rate_hz);
+  publish_timer_ = core::TickTimer(experiment_.perception.map_publish_hz);
+  blind_timer_ = core::TickTimer(kBlindRate_hz);
 }
 
 void PerceptionCore::forget() {

@@ -92,6 +92,8 @@ class PerceptionCore {
   void markVehicles();
   void sayBlind(core::Utime now);
   void judgeHealth(core::AgentTracks& tracks) const;
+  /// Time begins anew: nothing of what was before can be compared.
+  void beginEpoch();
   void forget();
 
   config::Experiment experiment_;

@@ -4,12 +4,6 @@
 
 namespace roundabout::perception {
 
-namespace {
-
-constexpr core::Utime kRemembered = 2 * core::kMicrosPerSecond;
-
-}  // namespace
-
 PoseHistory::Verdict PoseHistory::add(core::Utime utime, const PlanarPose& pose) {
   Verdict verdict = Verdict::kAccepted;
   if (!poses_.empty()) {
@@ -25,7 +19,7 @@ PoseHistory::Verdict PoseHistory::add(core::Utime utime, const PlanarPose& pose)
   }
   rejects_in_a_row_ = 0;
   poses_.push_back({utime, pose});
-  while (poses_.front().utime < utime - kRemembered) {
+  while (poses_.front().utime < utime - core::toUtime(limits_.remembered_s)) {
     poses_.pop_front();
   }
   return verdict;

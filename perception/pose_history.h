@@ -15,6 +15,7 @@ class PoseHistory {
     double top_speed_mps = 2.0;
     double jump_margin_m = 0.15;
     int most_rejects_in_a_row = 10;
+    double remembered_s = 2.0;
   };
   enum class Verdict {
     kAccepted,

@@ -119,10 +119,39 @@ void checkStart(const Experiment& experiment, std::size_t i, const Refuse& refus
   }
 }
 
-void checkDepth(const Camera& camera, const std::string& path, const Refuse& refuse) {
+/// How far a vehicle comes, at most, between the exposure of a depth picture and its stop before
+/// what its planner learns of it: the picture before was just missed, it waits, goes into the map,
+/// and the map out.
+double blindWay(const Vehicle& vehicle, const Perception& perception) {
+  const double late_s = perception.image_period_s + perception.image_delay_s +
+                        2.0 / perception.map_rate_hz + 1.0 / perception.map_publish_hz;
+  const double speed_mps = vehicle.preferred_speed_mps;
+  return speed_mps * late_s + speed_mps * speed_mps / (2.0 * vehicle.max_acceleration_mps2) +
+         vehicle.body_radius_m;
+}
+
+void checkDepth(const Experiment& experiment, const Vehicle& vehicle, const Camera& camera,
+                const std::string& path, const Refuse& refuse) {
   constexpr int kMostBytes = 60'000;  // bus::kMostImageBytes
   if (!camera.depth) {
     return;
+  }
+  if (flies(vehicle)) {
+    refuse(path + ".depth", "a vehicle that drives: the lens's height is taken as it is",
+           vehicle.model);
+  }
+  if (experiment.perception.depth_highest_m < vehicle.height_m) {
+    refuse("perception.depth_highest_m",
+           fmt::format("at least vehicles[].height_m ({}) of {}", vehicle.height_m, vehicle.name),
+           fmt::format("{}", experiment.perception.depth_highest_m));
+  }
+  if (const double way_m = blindWay(vehicle, experiment.perception);
+      camera.depth->farthest_m < way_m) {
+    refuse(path + ".depth.farthest_m",
+           fmt::format("at least {:.2f}: how far {} comes until it stops for what is in a picture "
+                       "(perception.image_period_s, image_delay_s, map_rate_hz, map_publish_hz)",
+                       way_m, vehicle.name),
+           fmt::format("{}", camera.depth->farthest_m));
   }
   expectOrder(path + ".depth.farthest_m", camera.depth->farthest_m, "nearest_m",
               camera.depth->nearest_m, refuse);
@@ -155,7 +184,8 @@ void checkVehicle(const Experiment& experiment, std::size_t i, const Refuse& ref
            fmt::format("{}", vehicle.lidar->sweep_s));
   }
   for (std::size_t j = 0; j < vehicle.cameras.size(); ++j) {
-    checkDepth(vehicle.cameras[j], fmt::format("{}.cameras[{}]", path, j), refuse);
+    checkDepth(experiment, vehicle, vehicle.cameras[j], fmt::format("{}.cameras[{}]", path, j),
+               refuse);
     for (std::size_t k = 0; k < j; ++k) {
       if (vehicle.cameras[j].name == vehicle.cameras[k].name) {
         refuse(fmt::format("{}.cameras[{}].name", path, j), "a name of its own",
@@ -232,6 +262,14 @@ void checkPerception(const Experiment& experiment, const Refuse& refuse) {
              fmt::format("[width, height], whole numbers from 1 to {}", kMostPixels),
              fmt::format("[{}, {}]", input->x(), input->y()));
     }
+  }
+  const std::string& detector = experiment.perception.detector;
+  const DetectorNetwork& network = experiment.perception.network;
+  if ((detector == "hog" || detector == "none") &&
+      (network.input_px || network.mean || network.scale || network.red_first ||
+       network.person_class)) {
+    refuse("perception.network", "none, or a perception.detector that is the path of a network",
+           "\"" + detector + "\"");
   }
   expectOrder("perception.depth_highest_m", experiment.perception.depth_highest_m, "depth_lowest_m",
               experiment.perception.depth_lowest_m, refuse);

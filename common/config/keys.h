@@ -368,7 +368,7 @@ void describe(Visitor& visit, Perception& perception) {
   visit("detector", perception.detector);
   visit("detector_confidence", perception.detector_confidence, between(0.0, 1.0));
   visit("network", perception.network);
-  visit("image_period_s", perception.image_period_s, above(0.0));
+  visit("image_period_s", perception.image_period_s, between(0.001, 60.0));
   visit("image_delay_s", perception.image_delay_s, between(0.0, 5.0));
   visit("depth_lowest_m", perception.depth_lowest_m, between(0.01, 10.0));
   visit("depth_highest_m", perception.depth_highest_m, between(0.02, 10.0));

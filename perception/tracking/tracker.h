@@ -41,6 +41,7 @@ class Tracker {
   /// One sweep. Precondition: later than the one before.
   void update(const ScanPoints& points, std::span<const Detection> detections);
 
+  core::AgentClass classOf(const Track& track) const;
   /// Confirmed ones as the wire has them.
   std::vector<core::AgentTrack> tracks() const;
   const std::vector<Track>& all() const { return tracks_; }
@@ -54,7 +55,6 @@ class Tracker {
   void begin(const Detection& detection, core::Utime utime);
   bool somebodyNear(const Eigen::Vector2d& position_m, core::Utime utime) const;
   void endDoubles(core::Utime utime);
-  core::AgentClass classOf(const Track& track) const;
 
   config::Perception settings_;
   core::Utime now_ = 0;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,7 +29,7 @@ class OpenCvDetector : public PersonDetector {
       std::vector<PersonBox> boxes = find(picture);
       std::erase_if(boxes, [this](const PersonBox& box) { return !counts(box); });
       return boxes;
-    } catch (const cv::Exception&) {
+    } catch (const std::exception&) {  // OpenCV's, or no memory
       return std::nullopt;
     }
   }

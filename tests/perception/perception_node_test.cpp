@@ -1,5 +1,7 @@
 #include "perception/perception_node.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "common/bus/memory_bus.h"
@@ -378,8 +380,41 @@ TEST_F(PerceptionDepthTest, CountsPicturesThatAreNotItsCamerasAndMissesASilentOn
   run(0.1);
   EXPECT_EQ(heard_.back().rejected_images, before + 5);
   run(1.2);
-  EXPECT_EQ(heard_.back().health, kDegraded);
-  EXPECT_EQ(heard_.back().reason, "camera front is silent");
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().reason, "depth camera front is silent");
+}
+
+TEST_F(PerceptionDepthTest, AStampFromTheFutureHoldsUpNoOtherPicture) {
+  start();
+  send(picture(now_ + 5'000'000));  // before there is a pose to judge it by
+  run(0.5);
+  send(picture(now_ + 2'000'000));
+  send(picture(std::numeric_limits<core::Utime>::max()));
+  run(0.1);
+  EXPECT_EQ(heard_.back().rejected_images, 3);
+  runWithPictures(1.6);
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+  EXPECT_EQ(heard_.back().rejected_images, 3);
+  EXPECT_EQ(heard_.back().health, kGood);
+}
+
+TEST_F(PerceptionDepthTest, AreUsedHoweverLateTheyCount) {
+  experiment_.perception.image_delay_s = 2.5;
+  start();
+  runWithPictures(4.4);
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+  EXPECT_EQ(heard_.back().rejected_images, 0);
+}
+
+TEST_F(PerceptionDepthTest, GoIntoTheMapAfterTheTimeWentBack) {
+  now_ = 100'000'000;
+  start();
+  runWithPictures(1.6);
+  ASSERT_GT(mappedBeyondSweeps(), 20U);
+  now_ -= 60'000'000;
+  runWithPictures(1.6);
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+  EXPECT_EQ(heard_.back().health, kGood);
 }
 
 TEST_F(PerceptionNodeTest, SavesItsMap) {

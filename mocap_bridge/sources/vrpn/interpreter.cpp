@@ -37,6 +37,9 @@ void VrpnInterpreter::onConnection() {
   types_.clear();
   clock_.reset();
   assembler_ = FrameAssembler();
+  stamps_us_.clear();
+  frame_stamp_us_ = 0;
+  last_stamp_us_ = 0;
 }
 
 void VrpnInterpreter::fail(const char* kind, const char* reason, PacketSink& sink) {

@@ -105,8 +105,8 @@ inline Experiment oneOfEverything() {
   e.pedestrians.leg_radius_m = 0.07;
   e.pedestrians.height_m = 1.8;
   e.pedestrians.recording = {"/data/obsmat.txt", 30.0, 25.0};
-  e.perception = {"dynamic_means", 0.01,   8.0, 1.1, 0.35, 0.2, 0.7,  0.4, 3.0, 0.1, 5.0, 0.5,
-                  "m.bt",          "none", 0.6, {},  0.25, 0.4, 0.05, 0.7};
+  e.perception = {"dynamic_means", 0.01,     8.0, 1.1, 0.35, 0.2, 0.7,  0.4, 3.0, 0.1, 5.0, 0.5,
+                  "m.bt",          "n.onnx", 0.6, {},  0.25, 0.4, 0.05, 1.5};
   e.perception.network.input_px.emplace(320.0, 256.0);
   e.perception.network.mean.emplace(123.0, 117.0, 104.0);
   e.perception.network.scale = 0.5;
