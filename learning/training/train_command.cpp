@@ -251,7 +251,8 @@ void addTrainCommand(CLI::App& app, int& exit_status) {
                    "Default: one a core; changes no result but with ga3c")
       ->check(CLI::Range(1, 1024));
   command->add_option("--plot", options->plotted,
-                      "Draw how the rolling reward of these runs grew, mean and deviation");
+                      "Draw how the rolling reward of these runs grew, mean and deviation; folders "
+                      "NAME.SEED of one NAME are a band of their own");
   command->add_flag("--resume", options->resume, "Go on where the run in --out was stopped");
   command->callback([options, &exit_status] { exit_status = train(*options); });
 }
