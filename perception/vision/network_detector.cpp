@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <new>
 
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
@@ -240,6 +241,9 @@ std::unique_ptr<PersonDetector> makeNetworkDetector(const config::Perception& se
   const QuietOpenCv quiet;
   try {
     return std::make_unique<NetworkDetector>(settings, where);
+  } catch (const std::bad_alloc&) {
+    throw core::StartupError(where, "perception.detector", "a network that fits into memory",
+                             "\"" + path + "\"");
   } catch (const cv::Exception& error) {
     throw core::StartupError(where, "perception.detector",
                              "a network that OpenCV's dnn reads (.onnx, .caffemodel with "

@@ -75,15 +75,15 @@ nn::TensorFile averageWeights(const std::vector<std::string>& paths) {
   }
   nn::TensorFile mean = nn::readSafetensors(paths[0]);
   std::string provenance = fmt::format("mean of {} networks: {}", paths.size(), provenanceOf(mean));
+  std::string last_recipe;
   for (std::size_t i = 1; i < paths.size(); ++i) {
     const nn::TensorFile file = nn::readSafetensors(paths[i]);
     expectSameMeaning(file, mean, paths[i], paths[0]);
     add(file, paths[i], mean);
     provenance += "; " + provenanceOf(file);
-    if (const auto recipe = file.metadata.find("recipe"); recipe != file.metadata.end()) {
-      mean.metadata["recipe"] = recipe->second;
-    }
+    last_recipe = file.metadata.contains("recipe") ? file.metadata.at("recipe") : "";
   }
+  mean.metadata["recipe"] = last_recipe;
   const auto count = static_cast<float>(paths.size());
   for (auto& [name, tensor] : mean.tensors) {
     for (float& value : tensor.values) {

@@ -207,7 +207,7 @@ void writeOnnxSsd(const std::string& path, int width, int height, int classes, i
   }
   OnnxGraph graph;
   graph.input("input", width, height);
-  // What is (x - 127) / 128 is twice as far apart as what is x / 255.
+  // (x - 127) / 128 is 255 / 128 times as far apart as x / 255.
   addCells(graph, classes, person, 128.0F / 255.0F);
   graph.node("Transpose", {"columns"}, "scores", {{"perm", {0, 2, 1}}});
   // Boxes that depend on the input by nothing, as an importer folds what is constant.

@@ -184,6 +184,13 @@ class VrpnCapture : public testing::Test {
     }
     add(connection.asked(0, vrpn::writeCookie()));
   }
+  /// Connected, and told of hex1, whose poses are of type 4: where the stream goes on.
+  std::uint32_t greet(const Connection& connection) {
+    connect(connection);
+    const Buffer hello = greeting(4, "hex1");
+    add(connection.said(0, hello));
+    return static_cast<std::uint32_t>(hello.size());
+  }
 
   /// What a replay of the capture shows, as fast as it goes.
   test::Collected replay(const std::string& protocol = "vrpn") {
@@ -253,10 +260,7 @@ TEST_F(VrpnCapture, OfTwoConnectionsEachHasIdsOfItsOwn) {
 
 TEST_F(VrpnCapture, AGapCostsWhatWasInItAndIsSaid) {
   const Connection connection;
-  connect(connection);
-  const Buffer hello = greeting(4, "hex1");
-  add(connection.said(0, hello));
-  auto place = static_cast<std::uint32_t>(hello.size());
+  std::uint32_t place = greet(connection);
   for (int i = 0; i < 60; ++i) {
     const Buffer bytes = pose(4);
     if (i < 20 || i > 22) {
@@ -274,10 +278,7 @@ TEST_F(VrpnCapture, AGapCostsWhatWasInItAndIsSaid) {
 // Every pose comes in two segments, and one first half is lost.
 TEST_F(VrpnCapture, AGapThatEndsWithinAMessageCostsNoMore) {
   const Connection connection;
-  connect(connection);
-  const Buffer hello = greeting(4, "hex1");
-  add(connection.said(0, hello));
-  auto place = static_cast<std::uint32_t>(hello.size());
+  std::uint32_t place = greet(connection);
   for (int i = 0; i < 60; ++i) {
     const Buffer bytes = pose(4);
     const auto half = static_cast<std::uint32_t>(bytes.size() / 2);
@@ -294,10 +295,7 @@ TEST_F(VrpnCapture, AGapThatEndsWithinAMessageCostsNoMore) {
 
 TEST_F(VrpnCapture, StampsThatNoClockShowsSayNothing) {
   const Connection connection;
-  connect(connection);
-  const Buffer hello = greeting(4, "hex1");
-  add(connection.said(0, hello));
-  auto place = static_cast<std::uint32_t>(hello.size());
+  std::uint32_t place = greet(connection);
   for (int i = 0; i < 100; ++i) {
     if (i == 60) {
       breakTheClock();
