@@ -22,6 +22,26 @@ ParameterLayout NetworkPlan::layout() const {
   return ParameterLayout(planner::ga3cCadrlTensors(architecture, max_others));
 }
 
+namespace {
+
+/// With shared weights the first joint layer sees the agent itself beside some hundred inputs of
+/// slots, most of them empty. The agent's own part begins as large as it is beside one reader of
+/// all others, the slots share the rest: else a network of many slots takes millions of agent-steps
+/// to notice where its goal is.
+void balanceSlots(const ParameterLayout& layout, Parameters& parameters) {
+  const ParameterLayout::Layer joint = layout.layer("layer1");
+  const Eigen::Index slot = layout.layer("other").outputs;
+  const auto slots = static_cast<float>((joint.inputs - planner::kEgoInputs) / slot);
+  const auto grown =
+      std::sqrt(static_cast<float>(joint.inputs) / static_cast<float>(planner::kEgoInputs + slot));
+  const Eigen::Index own = planner::kEgoInputs * joint.outputs;
+  parameters.segment(joint.kernel, own) *= grown;
+  parameters.segment(joint.kernel + own, joint.inputs * joint.outputs - own) *=
+      grown / std::sqrt(slots);
+}
+
+}  // namespace
+
 Parameters initialParameters(const ParameterLayout& layout, core::RandomStream& random) {
   // He et al. 2015 before a ReLU; half that variance (LeCun) before an LSTM's gates.
   constexpr std::pair<const char*, double> kLayers[] = {
@@ -39,6 +59,9 @@ Parameters initialParameters(const ParameterLayout& layout, core::RandomStream& 
     for (Eigen::Index i = 0; i < layer.inputs * layer.outputs; ++i) {
       parameters[layer.kernel + i] = static_cast<float>(random.normal(deviation));
     }
+  }
+  if (layout.has("other")) {
+    balanceSlots(layout, parameters);
   }
   return parameters;
 }

@@ -1,8 +1,11 @@
 #include "learning/training/recipe.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <spdlog/fmt/fmt.h>
@@ -109,6 +112,14 @@ void describe(Visitor& visit, Recipe& recipe) {
   visit("stages", recipe.stages);
 }
 
+std::string fileNameOf(const Stage& stage) {
+  std::string name = stage.name;
+  std::replace_if(
+      name.begin(), name.end(),
+      [](unsigned char character) { return std::isalnum(character) == 0; }, '_');
+  return name;
+}
+
 StagePlace stageAt(const Recipe& recipe, double agent_steps) {
   for (const Stage& stage : recipe.stages) {
     if (agent_steps < stage.agent_steps) {
@@ -150,8 +161,19 @@ Recipe parseRecipe(const std::string& yaml, const std::string& file,
     document.fail("ppo.mirrored_share", "0, with ga3c",
                   fmt::format("{}", recipe.ppo.mirrored_share));
   }
+  std::map<std::string, std::size_t> names;
   for (std::size_t i = 0; i < recipe.stages.size(); ++i) {
-    const Stage& stage = recipe.stages[i];
+    Stage& stage = recipe.stages[i];
+    if (stage.name.empty()) {
+      stage.name = fmt::format("stage {}", i + 1);
+    }
+    if (const auto [same, is_new] = names.emplace(fileNameOf(stage), i); !is_new) {
+      document.fail(fmt::format("stages[{}].name", i),
+                    fmt::format("another name than that of stages[{}] (after_{}.safetensors is "
+                                "written once)",
+                                same->second, same->first),
+                    stage.name);
+    }
     if (ga3c && stage.sharp_share > 0.0) {
       document.fail("stages[" + std::to_string(i) + "].sharp_share", "0, with ga3c",
                     fmt::format("{}", stage.sharp_share));

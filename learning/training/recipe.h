@@ -108,6 +108,9 @@ struct Recipe {
   std::vector<Stage> stages;
 };
 
+/// Of a stage, for names of files: what is no letter or digit of ASCII becomes "_".
+std::string fileNameOf(const Stage& stage);
+
 /// Where in a recipe a number of agent-steps is.
 struct StagePlace {
   const Stage* stage;

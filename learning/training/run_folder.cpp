@@ -1,7 +1,6 @@
 #include "learning/training/run_folder.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -133,13 +132,8 @@ void RunFolder::saveCheckpoint(const Trainer& trainer, const Expense& expense) {
                                 networkFile(trainer, expense, "not judged"));
 }
 
-void RunFolder::saveStage(const Trainer& trainer, const Expense& expense,
-                          const std::string& stage) {
-  std::string name = stage;
-  std::replace_if(
-      name.begin(), name.end(),
-      [](unsigned char character) { return std::isalnum(character) == 0; }, '_');
-  planner::nn::writeSafetensors(*this / ("after_" + name + ".safetensors"),
+void RunFolder::saveStage(const Trainer& trainer, const Expense& expense, const Stage& stage) {
+  planner::nn::writeSafetensors(*this / ("after_" + fileNameOf(stage) + ".safetensors"),
                                 networkFile(trainer, expense, "not judged"));
 }
 

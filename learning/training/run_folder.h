@@ -51,7 +51,7 @@ class RunFolder {
   const Recipe& recipe() const { return recipe_; }
 
   void saveCheckpoint(const Trainer& trainer, const Expense& expense);
-  void saveStage(const Trainer& trainer, const Expense& expense, const std::string& stage);
+  void saveStage(const Trainer& trainer, const Expense& expense, const Stage& stage);
   struct Checkpoint {
     TrainingState state;
     Expense expense;

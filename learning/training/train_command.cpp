@@ -99,7 +99,7 @@ class Session {
       return judgeAndSave();
     }
     while (trainer_->state().agent_steps < total) {
-      const std::string stage = stageNow();
+      const Stage& stage = stageNow();
       const IterationFigures figures = trainer_->iterate();
       reward_.add(figures.reward, static_cast<double>(figures.episodes));
       success_.add(figures.success, static_cast<double>(figures.episodes));
@@ -112,7 +112,7 @@ class Session {
         trainer_->renewEnvironments();
         return judgeAndSave();
       }
-      if (stageNow() != stage) {
+      if (&stageNow() != &stage) {
         folder_.saveStage(*trainer_, watch_->read(), stage);
       }
       if (passed(last_validation_, steps, recipe.validation.every_agent_steps)) {
@@ -140,9 +140,9 @@ class Session {
     return is_due;
   }
 
-  std::string stageNow() const {
+  const Stage& stageNow() const {
     const auto steps = static_cast<double>(trainer_->state().agent_steps);
-    return stageAt(folder_.recipe(), steps).stage->name;
+    return *stageAt(folder_.recipe(), steps).stage;
   }
 
   void report(const IterationFigures& figures, long total) {

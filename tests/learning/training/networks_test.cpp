@@ -190,6 +190,24 @@ TEST_P(HandWrittenNetwork, HasLibtorchsGradient) {
   }
 }
 
+TEST(InitialParameters, OfManySlotsDoNotDrownTheAgentItself) {
+  for (const int slots : {1, 3, 5, 7}) {
+    NetworkPlan plan;
+    plan.architecture = planner::kWeightSharingArchitecture;
+    plan.max_others = slots;
+    const ParameterLayout layout = plan.layout();
+    core::RandomStream random(1, "parameters");
+    const Parameters parameters = initialParameters(layout, random);
+    const ParameterLayout::Layer joint = layout.layer("layer1");
+    const Eigen::Index own = planner::kEgoInputs * joint.outputs;
+    const double of_itself = parameters.segment(joint.kernel, own).squaredNorm();
+    const double of_others =
+        parameters.segment(joint.kernel + own, joint.inputs * joint.outputs - own).squaredNorm();
+    // Four inputs of its own beside 64 of a reader, as with every other architecture.
+    EXPECT_NEAR(of_others / of_itself, 16.0, 2.0) << slots << " slots";
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(ByHand, HandWrittenNetwork,
                          testing::Values(planOf(planner::kPooledArchitecture, false),
                                          planOf(planner::kLstmArchitecture, false)),

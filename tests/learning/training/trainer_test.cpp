@@ -99,6 +99,30 @@ std::string algorithmOf(const testing::TestParamInfo<std::string>& training) {
 
 INSTANTIATE_TEST_SUITE_P(Trainer, ExactTraining, testing::Values("ppo", "ga3c"), algorithmOf);
 
+// What learners failed at is met again until the next checkpoint, and must not outlive it.
+TEST(Trainer, ContinuesExactlyWithHardCases) {
+  Recipe recipe = test::smallRecipe();
+  recipe.ppo.environments = 40;
+  recipe.ppo.minibatch = 400;
+  recipe.stages[0].hard_share = 0.9;
+  const auto whole = trainerOf(recipe);
+  iterate(*whole, 20);
+  TrainingState checkpoint = whole->state();
+  whole->renewEnvironments();
+  iterate(*whole, 10);
+  const auto resumed = makeTrainer(recipe, 1, std::move(checkpoint));
+  iterate(*resumed, 10);
+  EXPECT_EQ(whole->state().parameters, resumed->state().parameters);
+  EXPECT_EQ(whole->state().agent_steps, resumed->state().agent_steps);
+
+  recipe.stages[0].hard_share = 0.0;
+  const auto without = trainerOf(recipe);
+  iterate(*without, 20);
+  without->renewEnvironments();
+  iterate(*without, 10);
+  EXPECT_NE(without->state().parameters, whole->state().parameters) << "no hard case was met";
+}
+
 TEST(Trainer, IsTheSameWithAnyNumberOfThreads) {
   const auto alone = trainerOf(test::smallRecipe(), 1);
   const auto together = trainerOf(test::smallRecipe(), 3);
