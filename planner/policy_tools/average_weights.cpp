@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include <spdlog/fmt/fmt.h>
@@ -16,6 +17,8 @@ using core::StartupError;
 
 /// What may differ between states of one training.
 constexpr std::array kHistory{"provenance", "recipe", "validation"};
+
+constexpr double kLeastAlike = 0.5;
 
 std::map<std::string, std::string> meaningOf(const nn::TensorFile& file) {
   std::map<std::string, std::string> meaning = file.metadata;
@@ -62,6 +65,25 @@ void add(const nn::TensorFile& file, const std::string& path, nn::TensorFile& su
   }
 }
 
+/// Cosine of the angle between all weights of two networks. States of one training are at more than
+/// 0.9, networks of different trainings near 0: the mean of such knows nothing.
+double alikeness(const nn::TensorFile& a, const nn::TensorFile& b) {
+  double product = 0.0;
+  double square_a = 0.0;
+  double square_b = 0.0;
+  for (const auto& [name, tensor] : a.tensors) {
+    const std::vector<float>& others = b.tensors.at(name).values;
+    for (std::size_t i = 0; i < tensor.values.size(); ++i) {
+      const double x = tensor.values[i];
+      const double y = others[i];
+      product += x * y;
+      square_a += x * x;
+      square_b += y * y;
+    }
+  }
+  return product / std::sqrt(square_a * square_b);
+}
+
 std::string provenanceOf(const nn::TensorFile& file) {
   const auto said = file.metadata.find("provenance");
   return said == file.metadata.end() ? "unknown" : said->second;
@@ -73,13 +95,19 @@ nn::TensorFile averageWeights(const std::vector<std::string>& paths) {
   if (paths.size() < 2) {
     throw StartupError("policy average", "FILE", "two or more", std::to_string(paths.size()));
   }
-  nn::TensorFile mean = nn::readSafetensors(paths[0]);
+  const nn::TensorFile first = nn::readSafetensors(paths[0]);
+  nn::TensorFile mean = first;
   std::string provenance = fmt::format("mean of {} networks: {}", paths.size(), provenanceOf(mean));
   std::string last_recipe;
   for (std::size_t i = 1; i < paths.size(); ++i) {
     const nn::TensorFile file = nn::readSafetensors(paths[i]);
-    expectSameMeaning(file, mean, paths[i], paths[0]);
+    expectSameMeaning(file, first, paths[i], paths[0]);
     add(file, paths[i], mean);
+    if (const double cosine = alikeness(first, file); !(cosine >= kLeastAlike)) {
+      throw StartupError(paths[i], "weights",
+                         "those of another state of the training of " + paths[0],
+                         fmt::format("a network of its own (cosine {:.2f})", cosine));
+    }
     provenance += "; " + provenanceOf(file);
     last_recipe = file.metadata.contains("recipe") ? file.metadata.at("recipe") : "";
   }

@@ -1,5 +1,7 @@
 #include "planner/policy_tools/average_weights.h"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,6 +20,16 @@ class AverageWeights : public ::testing::Test {
     nn::writeSafetensors(folder_.file(name), file);
     return folder_.file(name);
   }
+  /// A later state of the first network's training.
+  nn::TensorFile later(float change) const {
+    nn::TensorFile file = first_;
+    for (auto& [name, tensor] : file.tensors) {
+      for (std::size_t i = 0; i < tensor.values.size(); ++i) {
+        tensor.values[i] *= 1.0F + (i % 3 == 0 ? change : -change);
+      }
+    }
+    return file;
+  }
   std::string refusalOf(const nn::TensorFile& second) {
     const std::string first = write("first.safetensors", first_);
     const std::string other = write("second.safetensors", second);
@@ -29,8 +41,8 @@ class AverageWeights : public ::testing::Test {
 };
 
 TEST_F(AverageWeights, IsTheMeanOfEveryNumber) {
-  nn::TensorFile second = test::randomGa3cCadrl(2);
-  nn::TensorFile third = test::randomGa3cCadrl(3);
+  const nn::TensorFile second = later(0.1F);
+  nn::TensorFile third = later(0.3F);
   third.metadata["recipe"] = "of the third";
   third.metadata["provenance"] = "third";
   third.metadata["validation"] = "of the third alone";
@@ -70,6 +82,17 @@ TEST_F(AverageWeights, RefusesOtherTensors) {
   other = test::randomGa3cCadrl(2);
   other.tensors["another/kernel"] = {{1}, {0.0F}};
   EXPECT_THAT(refusalOf(other), HasSubstr("another/kernel: expected no such tensor"));
+}
+
+TEST_F(AverageWeights, RefusesANetworkOfAnotherTraining) {
+  EXPECT_THAT(
+      refusalOf(test::randomGa3cCadrl(2)),
+      ::testing::AllOf(HasSubstr("second.safetensors: weights: expected those of another state "
+                                 "of the training of "),
+                       HasSubstr("first.safetensors, found a network of its own (cosine ")));
+  nn::TensorFile broken = first_;
+  broken.tensors.begin()->second.values[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(refusalOf(broken), HasSubstr("second.safetensors"));
 }
 
 TEST_F(AverageWeights, RefusesOneAlone) {
