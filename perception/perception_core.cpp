@@ -1,10 +1,12 @@
 #include "perception/perception_core.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/depth_age.h"
 #include "common/core/error.h"
 #include "perception/clustering/table.h"
 #include "perception/vision/jpeg_size.h"
@@ -20,7 +22,6 @@ constexpr double kBeginning_s = 0.3;
 // More wait only while poses are missing.
 constexpr std::size_t kMostWaiting = 16;
 constexpr std::size_t kMostLooking = 8;
-constexpr std::size_t kMostDepths = 32;
 // What depth cameras see so near to an agent's body is a part of it, or of what it carries.
 constexpr double kAroundAgent_m = 0.2;
 // Beams without an echo clear the map up to here.
@@ -33,6 +34,8 @@ constexpr double kMostAhead_s = 0.5;
 // Poses are remembered so much longer than pictures wait.
 constexpr double kLongerThanDelay_s = 2.0;
 constexpr double kManyUnusable = 0.1;
+// A depth picture of which less was measured shows nothing: a covered lens, a dead projector.
+constexpr double kLeastMeasured = 0.05;
 constexpr double kRoomMargin_m = 1.0;
 
 /// Of a picture's exposure, to what is known at a time.
@@ -64,6 +67,22 @@ Eigen::AlignedBox2d boundsOf(const config::Room& room) {
   return {room.min_m.head<2>() - margin, room.max_m.head<2>() + margin};
 }
 
+/// How many depth pictures wait until they count, and as long for poses and sweeps that are late.
+std::size_t mostDepths(const config::Vehicle& vehicle, const config::Perception& perception) {
+  double most = 0.0;
+  for (const config::Camera& camera : vehicle.cameras) {
+    const double period_s = std::max(perception.image_period_s, 1.0 / camera.rate_hz);
+    most += std::ceil((perception.image_delay_s + kLongerThanDelay_s) / period_s) + 1.0;
+  }
+  return static_cast<std::size_t>(most);
+}
+
+bool measuredSomething(const core::DepthImage& image) {
+  const auto nothing = std::count(image.depth_mm.begin(), image.depth_mm.end(), 0);
+  const auto pixels = static_cast<double>(image.depth_mm.size());
+  return pixels - static_cast<double>(nothing) >= kLeastMeasured * pixels;
+}
+
 }  // namespace
 
 PerceptionCore::PerceptionCore(const config::Experiment& experiment, const std::string& vehicle,
@@ -83,6 +102,9 @@ PerceptionCore::PerceptionCore(const config::Experiment& experiment, const std::
   vehicle_ = experiment.vehicles[own_index_];
   newest_image_.resize(vehicle_.cameras.size(), 0);
   last_image_.resize(vehicle_.cameras.size(), 0);
+  newest_depths_.resize(vehicle_.cameras.size(), 0);
+  shown_depths_.resize(vehicle_.cameras.size(), 0);
+  most_depths_ = mostDepths(vehicle_, experiment_.perception);
 }
 
 PerceptionCore::~PerceptionCore() = default;  // futures wait
@@ -209,7 +231,7 @@ const char* PerceptionCore::onDepths(std::size_t camera, const core::DepthImage&
     return nullptr;
   }
   waiting_depths_.push_back({camera, image});
-  if (waiting_depths_.size() > kMostDepths) {
+  if (waiting_depths_.size() > most_depths_) {
     waiting_depths_.pop_front();
     ++rejected_.images;
     return "there is no scan of its time";
@@ -275,8 +297,8 @@ void PerceptionCore::useScan(const core::LaserScan& scan, const PlanarPose& begi
 
 void PerceptionCore::useBoxes(core::Utime now) {
   const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
-  rejected_.images += static_cast<std::int64_t>(
-      std::erase_if(looking_, [now](const Looking& each) { return isAhead(each.exposure, now); }));
+  rejected_.images += static_cast<std::int64_t>(std::erase_if(
+      looking_, [this](const Looking& each) { return isAhead(each.exposure, poses_.newest()); }));
   while (!looking_.empty() && looking_.front().exposure + delay <= now) {
     const auto boxes = looking_.front().boxes.get();
     const config::Camera& camera = vehicle_.cameras[looking_.front().camera];
@@ -296,8 +318,10 @@ void PerceptionCore::useBoxes(core::Utime now) {
 void PerceptionCore::useDepths(core::Utime now) {
   const core::Utime delay = core::toUtime(experiment_.perception.image_delay_s);
   const core::Utime believed_from = first_used_scan_ + core::toUtime(kBeginning_s);
-  rejected_.images += static_cast<std::int64_t>(std::erase_if(
-      waiting_depths_, [now](const Depths& each) { return isAhead(each.image.utime, now); }));
+  rejected_.images +=
+      static_cast<std::int64_t>(std::erase_if(waiting_depths_, [this](const Depths& each) {
+        return isAhead(each.image.utime, poses_.newest());
+      }));
   while (!waiting_depths_.empty() && waiting_depths_.front().image.utime + delay <= now) {
     Depths depths = std::move(waiting_depths_.front());
     waiting_depths_.pop_front();
@@ -306,9 +330,12 @@ void PerceptionCore::useDepths(core::Utime now) {
     if (!pose) {
       ++rejected_.images;
     } else if (exposure >= believed_from) {
-      if (views_.size() == kMostDepths) {
+      if (views_.size() == most_depths_) {
         views_.erase(views_.begin());
         ++rejected_.images;
+      }
+      if (measuredSomething(depths.image)) {
+        newest_depths_[depths.camera] = exposure;
       }
       views_.push_back({std::move(depths.image), vehicle_.cameras[depths.camera], *pose,
                         agentsAt(exposure, now)});
@@ -348,22 +375,23 @@ void PerceptionCore::updateMap(core::Utime now) {
     return;
   }
   waitForMap();
-  mapping_ = std::async(std::launch::async, [this, now, publish = publish_timer_.due(now),
-                                             update = mapUpdateOf(finder_, kFreeRange_m),
-                                             views = std::exchange(views_, {})] {
-    const config::Perception& settings = experiment_.perception;
-    mapper_.insert(update);
-    for (const DepthView& view : views) {
-      mapper_.insert(depthUpdateOf(view, {settings.depth_lowest_m, settings.depth_highest_m},
-                                   settings.map_resolution_m));
-    }
-    Mapped mapped{mapper_.cells(), {}};
-    if (publish) {
-      mapped.map = core::OccupancyMap{now, vehicle_.name, experiment_.perception.map_resolution_m,
-                                      mapper_.binaryTree()};
-    }
-    return mapped;
-  });
+  mapping_ = std::async(
+      std::launch::async,
+      [this, now, publish = publish_timer_.due(now), update = mapUpdateOf(finder_, kFreeRange_m),
+       views = std::exchange(views_, {}), newest_depths = newest_depths_] {
+        const config::Perception& settings = experiment_.perception;
+        mapper_.insert(update);
+        for (const DepthView& view : views) {
+          mapper_.insert(depthUpdateOf(view, {settings.depth_lowest_m, settings.depth_highest_m},
+                                       settings.map_resolution_m));
+        }
+        Mapped mapped{mapper_.cells(), {}, newest_depths};
+        if (publish) {
+          mapped.map = core::OccupancyMap{
+              now, vehicle_.name, experiment_.perception.map_resolution_m, mapper_.binaryTree()};
+        }
+        return mapped;
+      });
 }
 
 void PerceptionCore::waitForMap() {
@@ -372,6 +400,7 @@ void PerceptionCore::waitForMap() {
     cells_ = std::move(mapped.cells);
     if (mapped.map) {
       map_out_ = std::move(mapped.map);
+      shown_depths_ = std::move(mapped.newest_depths);
     }
   }
 }
@@ -409,18 +438,38 @@ void PerceptionCore::judgeHealth(core::AgentTracks& tracks) const {
   }
   for (std::size_t i = 0; i < vehicle_.cameras.size(); ++i) {
     const config::Camera& camera = vehicle_.cameras[i];
-    if ((detector_ || camera.depth) &&
-        core::toSeconds(tracks.utime - last_image_[i]) > kSilentPeriods / camera.rate_hz) {
-      // What only its depths would have shown is in nobody's way: the robot must not drive on.
-      tracks.health =
-          camera.depth ? core::PerceptionHealth::kBlind : core::PerceptionHealth::kDegraded;
-      tracks.reason =
-          fmt::format("{}camera {} is silent", camera.depth ? "depth " : "", camera.name);
-      if (camera.depth) {
-        return;
+    if (!camera.depth) {
+      if (detector_ && !isHeard(i, tracks.utime)) {
+        tracks.health = core::PerceptionHealth::kDegraded;
+        tracks.reason = fmt::format("camera {} is silent", camera.name);
       }
+    } else if (const char* fault = faultOfDepths(i, tracks.utime)) {
+      // What only its depths would have shown is in nobody's way: the robot must not drive on.
+      tracks.health = core::PerceptionHealth::kBlind;
+      tracks.reason = fmt::format("depth camera {} {}", camera.name, fault);
+      return;
     }
   }
+}
+
+bool PerceptionCore::isHeard(std::size_t camera, core::Utime now) const {
+  const core::Utime last = last_image_[camera];
+  return !isAhead(last, poses_.newest()) &&
+         core::toSeconds(now - last) <= kSilentPeriods / vehicle_.cameras[camera].rate_hz;
+}
+
+const char* PerceptionCore::faultOfDepths(std::size_t camera, core::Utime now) const {
+  if (!isHeard(camera, now)) {
+    return "is silent";
+  }
+  if (shown_depths_[camera] == 0) {
+    return "has no picture in the map yet";
+  }
+  const double oldest_s =
+      config::oldestDepthsS(vehicle_, vehicle_.cameras[camera], experiment_.perception);
+  return core::toSeconds(now - shown_depths_[camera]) > oldest_s
+             ? "sends pictures, but none that shows something"
+             : nullptr;
 }
 
 void PerceptionCore::beginEpoch() {
@@ -435,6 +484,7 @@ void PerceptionCore::beginEpoch() {
 void PerceptionCore::forget() {
   waitForMap();
   mapper_.clear();
+  map_out_.reset();
   cells_.reset();
   finder_.forget();
   waiting_.clear();
@@ -442,6 +492,8 @@ void PerceptionCore::forget() {
   waiting_depths_.clear();
   views_.clear();
   boxes_.clear();
+  std::fill(newest_depths_.begin(), newest_depths_.end(), 0);
+  std::fill(shown_depths_.begin(), shown_depths_.end(), 0);
   last_used_scan_ = 0;
   first_used_scan_ = 0;
 }

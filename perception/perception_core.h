@@ -77,6 +77,7 @@ class PerceptionCore {
   struct Mapped {
     std::shared_ptr<const StaticCells> cells;
     std::optional<core::OccupancyMap> map;
+    std::vector<core::Utime> newest_depths;  // of each camera: in it
   };
 
   void useScans();
@@ -92,6 +93,9 @@ class PerceptionCore {
   void markVehicles();
   void sayBlind(core::Utime now);
   void judgeHealth(core::AgentTracks& tracks) const;
+  bool isHeard(std::size_t camera, core::Utime now) const;
+  /// Why nobody may drive by what a depth camera shows; nullptr: all is well.
+  const char* faultOfDepths(std::size_t camera, core::Utime now) const;
   /// Time begins anew: nothing of what was before can be compared.
   void beginEpoch();
   void forget();
@@ -99,6 +103,7 @@ class PerceptionCore {
   config::Experiment experiment_;
   config::Vehicle vehicle_;
   std::size_t own_index_ = 0;
+  std::size_t most_depths_ = 0;  // that wait, or go into the map at once
   std::unique_ptr<PersonDetector> detector_;
   std::mutex detector_mutex_;
   AgentFinder finder_;
@@ -113,9 +118,11 @@ class PerceptionCore {
   PoseHistory poses_;
   std::deque<core::LaserScan> waiting_;
   std::deque<Depths> waiting_depths_;
-  std::vector<DepthView> views_;           // that go into the map with the next scan that does
-  std::vector<core::Utime> newest_image_;  // of each camera: looked at
-  std::vector<core::Utime> last_image_;    // of each camera: heard
+  std::vector<DepthView> views_;            // that go into the map with the next scan that does
+  std::vector<core::Utime> newest_image_;   // of each camera: looked at
+  std::vector<core::Utime> last_image_;     // of each camera: heard
+  std::vector<core::Utime> newest_depths_;  // of each camera: that measured something, for the map
+  std::vector<core::Utime> shown_depths_;   // of each camera: in the map that went out last
   std::vector<core::VehicleState> others_;
   core::Utime last_used_scan_ = 0;
   core::Utime first_used_scan_ = 0;  // since it forgot the world, or was blind

@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/config/depth_age.h"
 #include "common/config/mapped_body.h"
 #include "common/config/obstacles.h"
 #include "common/config/spacing.h"
@@ -119,15 +120,12 @@ void checkStart(const Experiment& experiment, std::size_t i, const Refuse& refus
   }
 }
 
-/// How far a vehicle comes, at most, between the exposure of a depth picture and its stop before
-/// what its planner learns of it: the picture before was just missed, it waits, goes into the map,
-/// and the map out.
-double blindWay(const Vehicle& vehicle, const Perception& perception) {
-  const double late_s = perception.image_period_s + perception.image_delay_s +
-                        2.0 / perception.map_rate_hz + 1.0 / perception.map_publish_hz;
+/// How far a vehicle comes, at most, between the exposure of the last depth picture in its
+/// planner's map and its stop: it goes on until perception says that the picture is too old.
+double blindWayM(const Vehicle& vehicle, const Camera& camera, const Perception& perception) {
   const double speed_mps = vehicle.preferred_speed_mps;
-  return speed_mps * late_s + speed_mps * speed_mps / (2.0 * vehicle.max_acceleration_mps2) +
-         vehicle.body_radius_m;
+  return speed_mps * oldestDepthsS(vehicle, camera, perception) +
+         speed_mps * speed_mps / (2.0 * vehicle.max_acceleration_mps2) + vehicle.body_radius_m;
 }
 
 void checkDepth(const Experiment& experiment, const Vehicle& vehicle, const Camera& camera,
@@ -140,18 +138,26 @@ void checkDepth(const Experiment& experiment, const Vehicle& vehicle, const Came
     refuse(path + ".depth", "a vehicle that drives: the lens's height is taken as it is",
            vehicle.model);
   }
+  if (!seesForItself(experiment, vehicle)) {
+    refuse(path + ".depth",
+           vehicle.lidar ? "planner.others: tracks or both, so that perception is listened to"
+                         : "a vehicle with a lidar, so that it has a perception process",
+           vehicle.lidar ? experiment.planner.others : "none");
+  }
   if (experiment.perception.depth_highest_m < vehicle.height_m) {
     refuse("perception.depth_highest_m",
            fmt::format("at least vehicles[].height_m ({}) of {}", vehicle.height_m, vehicle.name),
            fmt::format("{}", experiment.perception.depth_highest_m));
   }
-  if (const double way_m = blindWay(vehicle, experiment.perception);
+  if (const double way_m = blindWayM(vehicle, camera, experiment.perception);
       camera.depth->farthest_m < way_m) {
-    refuse(path + ".depth.farthest_m",
-           fmt::format("at least {:.2f}: how far {} comes until it stops for what is in a picture "
-                       "(perception.image_period_s, image_delay_s, map_rate_hz, map_publish_hz)",
-                       way_m, vehicle.name),
-           fmt::format("{}", camera.depth->farthest_m));
+    refuse(
+        path + ".depth.farthest_m",
+        fmt::format("at least {:.2f}: how far {} comes until it stops for what is in a picture, or "
+                    "for want of one (rate_hz, perception.image_period_s, image_delay_s, "
+                    "map_rate_hz, map_publish_hz)",
+                    way_m, vehicle.name),
+        fmt::format("{}", camera.depth->farthest_m));
   }
   expectOrder(path + ".depth.farthest_m", camera.depth->farthest_m, "nearest_m",
               camera.depth->nearest_m, refuse);

@@ -1,9 +1,13 @@
 #include "perception/vision/network_detector.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <new>
+#include <optional>
 
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
@@ -17,8 +21,6 @@
 namespace roundabout::perception {
 
 namespace {
-
-constexpr double kOverlap = 0.45;
 
 /// How a network wants its picture: (x - mean) * scale.
 struct Input {
@@ -54,8 +56,25 @@ std::string topologyOf(std::filesystem::path path) {
   return {};
 }
 
+/// What Darknet's .cfg says of its input, which OpenCV does not tell. Nothing: it does not say.
+std::optional<cv::Size> sizeInConfiguration(const std::string& path) {
+  std::ifstream file(path);
+  cv::Size size;
+  for (std::string line; std::getline(file, line) && size.empty();) {
+    std::erase_if(line, [](unsigned char character) { return std::isspace(character) != 0; });
+    std::sscanf(line.c_str(), "width=%d", &size.width);
+    std::sscanf(line.c_str(), "height=%d", &size.height);
+  }
+  return size.empty() ? std::nullopt : std::optional(size);
+}
+
 /// What the file says of its input, which OpenCV tells of Caffe's; else what is customary.
-cv::Size sizeOf(const cv::dnn::Net& network, Format format) {
+cv::Size sizeOf(const cv::dnn::Net& network, Format format, const std::string& topology) {
+  if (format == Format::kDarknet) {
+    if (const auto said = sizeInConfiguration(topology)) {
+      return *said;
+    }
+  }
   std::vector<cv::dnn::MatShape> inputs;
   std::vector<cv::dnn::MatShape> outputs;
   network.getLayerShapes(cv::dnn::MatShape(), 0, inputs, outputs);
@@ -96,7 +115,7 @@ class NetworkDetector final : public OpenCvDetector {
     network_ = cv::dnn::readNet(path_, topologyOf(path_));
     input_.size_px = wanted.input_px ? cv::Size(wanted.input_px->cast<int>().x(),
                                                 wanted.input_px->cast<int>().y())
-                                     : sizeOf(network_, format);
+                                     : sizeOf(network_, format, topologyOf(path_));
     recognise(where);
     preprocessAsCustomary(format, output_, input_);
     if (wanted.mean) {
@@ -189,22 +208,6 @@ class NetworkDetector final : public OpenCvDetector {
     output_ = *output;
   }
 
-  std::vector<PersonBox> withoutDoubles(const std::vector<PersonBox>& boxes) const {
-    std::vector<cv::Rect2d> places;
-    std::vector<float> confidences;
-    for (const PersonBox& box : boxes) {
-      places.emplace_back(box.left, box.top, box.right - box.left, box.bottom - box.top);
-      confidences.push_back(static_cast<float>(box.confidence));
-    }
-    std::vector<int> kept;
-    cv::dnn::NMSBoxes(places, confidences, 0.0F, static_cast<float>(kOverlap), kept);
-    std::vector<PersonBox> result;
-    for (const int index : kept) {
-      result.push_back(boxes[static_cast<std::size_t>(index)]);
-    }
-    return result;
-  }
-
   std::string path_;
   cv::dnn::Net network_;
   Input input_;
@@ -229,12 +232,13 @@ class QuietOpenCv {
 std::unique_ptr<PersonDetector> makeNetworkDetector(const config::Perception& settings,
                                                     const std::string& where) {
   const std::string& path = settings.detector;
-  if (!std::filesystem::is_regular_file(path)) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) {
     throw core::StartupError(where, "perception.detector", "hog, none or the path of a model",
                              "\"" + path + "\", where there is no file");
   }
   const std::string topology = topologyOf(path);
-  if (!topology.empty() && !std::filesystem::is_regular_file(topology)) {
+  if (!topology.empty() && !std::filesystem::is_regular_file(topology, unreadable)) {
     throw core::StartupError(where, "perception.detector",
                              "\"" + topology + "\" beside the weights", "no such file");
   }
@@ -249,6 +253,11 @@ std::unique_ptr<PersonDetector> makeNetworkDetector(const config::Perception& se
                              "a network that OpenCV's dnn reads (.onnx, .caffemodel with "
                              ".prototxt, .weights with .cfg, .pb with .pbtxt)",
                              "\"" + path + "\": " + error.err);
+  } catch (const core::StartupError&) {
+    throw;
+  } catch (const std::exception& error) {  // of what OpenCV reads files with
+    throw core::StartupError(where, "perception.detector", "a network that OpenCV's dnn reads",
+                             "\"" + path + "\": " + error.what());
   }
 }
 

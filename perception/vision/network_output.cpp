@@ -1,5 +1,7 @@
 #include "perception/vision/network_output.h"
 
+#include <opencv2/dnn.hpp>
+
 namespace roundabout::perception {
 
 namespace {
@@ -8,6 +10,11 @@ using Kind = NetworkOutput::Kind;
 
 constexpr int kCorners = 4;
 constexpr int kDetection = 7;
+// Networks that leave out doubles themselves say few boxes: left, top, right, bottom, score, class.
+constexpr int kFinished = 6;
+constexpr int kMostFinished = 300;
+constexpr float kOverlap = 0.45F;
+constexpr int kMostBoxes = 300;  // in one picture
 
 /// The last dimension; those before it must be 1 but for one.
 int columnsOf(const cv::Mat& output) { return output.size[output.dims - 1]; }
@@ -22,6 +29,11 @@ cv::Mat asTable(const cv::Mat& output) {
 
 std::optional<NetworkOutput> recogniseSplit(const std::vector<cv::Mat>& outputs) {
   if (outputs.size() != 2 || rowsOf(outputs[0]) != rowsOf(outputs[1])) {
+    return std::nullopt;
+  }
+  const bool is_ambiguous = columnsOf(outputs[0]) == kCorners && columnsOf(outputs[1]) == kCorners;
+  const bool is_one_answer = rowsOf(outputs[0]) == 1;
+  if (is_ambiguous || is_one_answer) {
     return std::nullopt;
   }
   const int boxes_at = columnsOf(outputs[0]) == kCorners ? 0 : 1;
@@ -46,7 +58,8 @@ std::optional<NetworkOutput> recogniseYolo(const cv::Mat& output) {
   const bool columns = output.size[1] < output.size[2];
   const int numbers = columns ? output.size[1] : output.size[2];
   const int before_scores = columns ? kCorners : kCorners + 1;
-  if (numbers <= before_scores) {
+  const bool is_finished = !columns && numbers == kFinished && output.size[1] <= kMostFinished;
+  if (numbers <= before_scores || is_finished) {
     return std::nullopt;
   }
   return NetworkOutput{columns ? Kind::kColumns : Kind::kRows, numbers - before_scores};
@@ -101,7 +114,8 @@ std::optional<NetworkOutput> recogniseOutput(const std::vector<cv::Mat>& outputs
     }
   }
   if (outputs.size() == 1 && outputs[0].dims == 4 && columnsOf(outputs[0]) == kDetection) {
-    return NetworkOutput{Kind::kDetections};
+    const bool is_table = outputs[0].size[0] == 1 && outputs[0].size[1] == 1;  // else features
+    return is_table ? std::optional(NetworkOutput{Kind::kDetections}) : std::nullopt;
   }
   if (auto split = recogniseSplit(outputs)) {
     return split;
@@ -144,6 +158,23 @@ std::vector<PersonBox> readBoxes(const NetworkOutput& output, const std::vector<
     }
   }
   return boxes;
+}
+
+std::vector<PersonBox> withoutDoubles(std::vector<PersonBox> boxes) {
+  std::erase_if(boxes, [](const PersonBox& box) { return !isBox(box); });
+  std::vector<cv::Rect2d> places;
+  std::vector<float> confidences;
+  for (const PersonBox& box : boxes) {
+    places.emplace_back(box.left, box.top, box.right - box.left, box.bottom - box.top);
+    confidences.push_back(static_cast<float>(box.confidence));
+  }
+  std::vector<int> kept;
+  cv::dnn::NMSBoxes(places, confidences, 0.0F, kOverlap, kept, 1.0F, kMostBoxes);
+  std::vector<PersonBox> result;
+  for (const int index : kept) {
+    result.push_back(boxes[static_cast<std::size_t>(index)]);
+  }
+  return result;
 }
 
 }  // namespace roundabout::perception

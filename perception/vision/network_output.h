@@ -37,4 +37,8 @@ int customaryPerson(const NetworkOutput& output);
 std::vector<PersonBox> readBoxes(const NetworkOutput& output, const std::vector<cv::Mat>& outputs,
                                  int person, double least_confidence, cv::Size input);
 
+/// Of boxes that overlap the most confident one; what is no box is left out first, so that it
+/// displaces nobody.
+std::vector<PersonBox> withoutDoubles(std::vector<PersonBox> boxes);
+
 }  // namespace roundabout::perception

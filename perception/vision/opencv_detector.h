@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <optional>
@@ -22,7 +21,9 @@ class OpenCvDetector : public PersonDetector {
       // cv::Mat takes no pointer to const, and only reads.
       const cv::Mat bytes(1, static_cast<int>(jpeg.size()), CV_8UC1,
                           const_cast<std::uint8_t*>(jpeg.data()));
-      const cv::Mat picture = jpeg.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_COLOR);
+      // As the camera's pixels are: what EXIF says of its orientation would turn the boxes.
+      constexpr int kAsItIs = cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
+      const cv::Mat picture = jpeg.empty() ? cv::Mat() : cv::imdecode(bytes, kAsItIs);
       if (picture.empty()) {
         return std::nullopt;
       }
@@ -43,9 +44,7 @@ class OpenCvDetector : public PersonDetector {
 
  private:
   bool counts(const PersonBox& box) const {
-    return box.confidence >= least_confidence_ && std::isfinite(box.left) &&
-           std::isfinite(box.top) && std::isfinite(box.right) && std::isfinite(box.bottom) &&
-           box.right > box.left && box.bottom > box.top;
+    return box.confidence >= least_confidence_ && isBox(box);
   }
 
   double least_confidence_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,6 +20,12 @@ struct PersonBox {
   double bottom = 0.0;
   double confidence = 0.0;  ///< 0 to 1
 };
+
+/// Whether it has edges and an area.
+inline bool isBox(const PersonBox& box) {
+  return std::isfinite(box.left) && std::isfinite(box.top) && std::isfinite(box.right) &&
+         std::isfinite(box.bottom) && box.right > box.left && box.bottom > box.top;
+}
 
 /// Finds people in pictures. One thread at a time may use an object.
 class PersonDetector {

@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 
 #include <gtest/gtest.h>
 
+#include "perception/vision/network_output.h"
 #include "perception/vision/person_detector.h"
 #include "sim/sensors/jpeg.h"
 #include "tests/perception/network_files.h"
@@ -182,6 +184,14 @@ TEST_F(NetworkDetector, TakesThePictureAsTheFileSays) {
   EXPECT_EQ(make()->detect(red)->size(), 0U);
 }
 
+TEST_F(NetworkDetector, TakesTheSizeThatDarknetsFileSays) {
+  settings_.detector = folder_.file("n.weights");
+  settings_.network.input_px.reset();
+  test::writeDarknet(settings_.detector, 352, 256);
+  const std::string name = make()->name();
+  EXPECT_NE(name.find("352 x 256 pixels"), std::string::npos) << name;
+}
+
 TEST_F(NetworkDetector, RefusesASizeThatTheNetworkDoesNotTake) {
   test::writeYolo5(settings_.detector, 320, 256, 1, 0);
   const std::string said = refusal();
@@ -219,6 +229,32 @@ TEST_F(NetworkDetector, RefusesWeightsWithoutTheFileBesideThem) {
   std::filesystem::remove(folder_.file("n.prototxt"));
   const std::string said = refusal();
   EXPECT_NE(said.find("n.prototxt\" beside the weights"), std::string::npos) << said;
+}
+
+cv::Mat zeros(const std::vector<int>& sizes) { return {sizes, CV_32F, cv::Scalar(0.0)}; }
+
+TEST(NetworkOutput, IsNoDetectorsIfItOnlyLooksLikeOne) {
+  EXPECT_TRUE(recogniseOutput({zeros({1, 1, 100, 7})}));
+  EXPECT_FALSE(recogniseOutput({zeros({1, 512, 7, 7})})) << "features of a picture";
+  EXPECT_TRUE(recogniseOutput({zeros({1, 3000, 4}), zeros({1, 3000, 21})}));
+  EXPECT_FALSE(recogniseOutput({zeros({1, 4}), zeros({1, 21})})) << "one box of a regression";
+  EXPECT_FALSE(recogniseOutput({zeros({1, 3000, 4}), zeros({1, 3000, 4})})) << "which are boxes?";
+  EXPECT_TRUE(recogniseOutput({zeros({1, 6300, 6})}));
+  EXPECT_FALSE(recogniseOutput({zeros({1, 300, 6})})) << "corners, score and class";
+}
+
+TEST(NetworkOutput, WhatIsNoBoxDisplacesNobody) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  const auto left = withoutDoubles({{kNan, 0.0, 50.0, 100.0, 0.99},
+                                    {10.0, 10.0, 50.0, 100.0, 0.9},
+                                    {11.0, 10.0, 50.0, 100.0, 0.8},
+                                    {90.0, 10.0, 60.0, 100.0, 0.95},
+                                    {-kFar, -kFar, kFar, kFar, 0.97},
+                                    {200.0, 10.0, 240.0, 100.0, 0.7}});
+  ASSERT_EQ(left.size(), 2U);
+  EXPECT_EQ(left[0].confidence, 0.9);
+  EXPECT_EQ(left[1].confidence, 0.7);
 }
 
 }  // namespace

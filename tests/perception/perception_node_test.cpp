@@ -301,6 +301,7 @@ class PerceptionDepthTest : public PerceptionNodeTest {
     camera.width = 160;
     camera.height = 120;
     camera.depth = config::DepthSensing{};
+    experiment_.perception.map_publish_hz = 4.0;
     box_ = {{{1.0, -0.3}, {1.4, -0.3}, {1.4, 0.3}, {1.0, 0.3}}, 0.0, 0.15};
   }
 
@@ -392,18 +393,77 @@ TEST_F(PerceptionDepthTest, AStampFromTheFutureHoldsUpNoOtherPicture) {
   send(picture(std::numeric_limits<core::Utime>::max()));
   run(0.1);
   EXPECT_EQ(heard_.back().rejected_images, 3);
-  runWithPictures(1.6);
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().reason, "depth camera front is silent");
+  runWithPictures(1.8);
   EXPECT_GT(mappedBeyondSweeps(), 20U);
   EXPECT_EQ(heard_.back().rejected_images, 3);
   EXPECT_EQ(heard_.back().health, kGood);
 }
 
 TEST_F(PerceptionDepthTest, AreUsedHoweverLateTheyCount) {
-  experiment_.perception.image_delay_s = 2.5;
+  experiment_.perception.image_delay_s = 4.0;
+  config::Camera second = experiment_.vehicles[0].cameras[0];
+  second.name = "second";
+  experiment_.vehicles[0].cameras.push_back(second);
   start();
-  runWithPictures(4.4);
+  for (int i = 0; i < 30; ++i) {
+    const roundabout_msgs::image_t message = bus::toMessage(picture(now_ + 100'000));
+    send(message);
+    bus::publish(lab_, "IMAGE_robot_second", message);
+    run(0.2);
+  }
   EXPECT_GT(mappedBeyondSweeps(), 20U);
   EXPECT_EQ(heard_.back().rejected_images, 0);
+  EXPECT_EQ(heard_.back().health, kGood);
+}
+
+// A planner that has a map without what only depths show must not drive by it.
+TEST_F(PerceptionDepthTest, AreInTheMapThatGoesOutBeforeAnybodyDrives) {
+  start();
+  for (int i = 0; i < 20 && (heard_.empty() || heard_.back().health != kGood); ++i) {
+    send(picture(now_ + 100'000));
+    run(0.1);
+  }
+  ASSERT_EQ(heard_.back().health, kGood);
+  EXPECT_FALSE(maps_.empty());
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+  // After a jump there is nothing in the map again.
+  for (int i = 0; i < 10; ++i) {
+    now_ += 5'000;
+    sendPose(now_, 2.0);
+    deliver();
+  }
+  const std::size_t before = heard_.size();
+  for (int i = 0; i < 16; ++i) {
+    now_ += 25'000;
+    core::LaserScan scan = crowd_->scan();
+    scan.utime = now_;
+    bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
+    sendPose(now_, 2.0);
+    sendPose(now_ + 5'000, 2.0);
+    deliver();
+  }
+  ASSERT_GT(heard_.size(), before + 10);
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().reason, "depth camera front has no picture in the map yet");
+}
+
+TEST_F(PerceptionDepthTest, ThatShowNothingAreMissedAsIfThereWereNone) {
+  start();
+  runWithPictures(2.0);
+  ASSERT_EQ(heard_.back().health, kGood);
+  for (int i = 0; i < 20; ++i) {
+    core::DepthImage covered = picture(now_ + 100'000);
+    std::fill(covered.depth_mm.begin(), covered.depth_mm.end(), std::uint16_t{0});
+    send(covered);
+    run(0.2);
+  }
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().reason,
+            "depth camera front sends pictures, but none that shows something");
+  runWithPictures(2.0);
+  EXPECT_EQ(heard_.back().health, kGood);
 }
 
 TEST_F(PerceptionDepthTest, GoIntoTheMapAfterTheTimeWentBack) {

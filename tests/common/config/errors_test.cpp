@@ -85,17 +85,21 @@ TEST(ConfigError, KeyThatIsNotText) {
 // ---- depth cameras and clutter
 
 TEST(ConfigError, DepthPicturesThatAreNoDatagram) {
-  EXPECT_EQ(errorOf("vehicles:\n  - name: rover\n    model: ground_robot\n    height_m: 0.3\n"
-                    "    cameras:\n      - {depth: {}}\n"),
-            "lab.yaml:6: vehicles[0].cameras[0].width: expected a depth picture of at most 60000 "
-            "bytes, two a pixel (160 x 120), found 320 x 240");
+  EXPECT_EQ(
+      errorOf("vehicles:\n  - name: rover\n    model: ground_robot\n    height_m: 0.3\n"
+              "    lidar: {}\n    cameras:\n      - {depth: {}}\nplanner: {others: tracks}\n"),
+      "lab.yaml:7: vehicles[0].cameras[0].width: expected a depth picture of at most 60000 "
+      "bytes, two a pixel (160 x 120), found 320 x 240");
 }
 
 TEST(ConfigError, DepthsThatEndBeforeTheyBegin) {
-  EXPECT_EQ(errorOf("vehicles:\n  - name: rover\n    model: ground_robot\n    height_m: 0.3\n"
-                    "    cameras:\n      - {width: 160, height: 120, depth: {nearest_m: 5}}\n"),
-            "lab.yaml:6: vehicles[0].cameras[0].depth.farthest_m: expected at least nearest_m (5), "
-            "found 4");
+  EXPECT_EQ(
+      errorOf(
+          "vehicles:\n  - name: rover\n    model: ground_robot\n    height_m: 0.3\n"
+          "    lidar: {}\n    cameras:\n      - {width: 160, height: 120, depth: {nearest_m: 5}}\n"
+          "planner: {others: tracks}\n"),
+      "lab.yaml:7: vehicles[0].cameras[0].depth.farthest_m: expected at least nearest_m (5), "
+      "found 4");
 }
 
 TEST(ConfigError, DepthsThatCannotBeDrivenBy) {
@@ -107,13 +111,21 @@ TEST(ConfigError, DepthsThatCannotBeDrivenBy) {
             "lab.yaml:4: vehicles[0].cameras[0].depth: expected a vehicle that drives: the lens's "
             "height is taken as it is, found multirotor");
   const std::string drives = "    model: ground_robot\n    preferred_speed_mps: 1.2\n";
-  EXPECT_EQ(withCamera(drives, ""),
+  const std::string looks = "planner: {others: tracks}\n";
+  EXPECT_EQ(withCamera(drives, looks),
+            "lab.yaml:6: vehicles[0].cameras[0].depth: expected a vehicle with a lidar, so that it "
+            "has a perception process, found none");
+  EXPECT_EQ(withCamera(drives + "    lidar: {}\n", ""),
+            "lab.yaml:7: vehicles[0].cameras[0].depth: expected planner.others: tracks or both, so "
+            "that perception is listened to, found states");
+  EXPECT_EQ(withCamera(drives + "    lidar: {}\n", looks),
             "lab.yaml:1: perception.depth_highest_m: expected at least vehicles[].height_m (1) of "
             "rover, found 0.8");
-  EXPECT_EQ(withCamera(drives + "    height_m: 0.3\n", "perception: {map_rate_hz: 1}\n"),
-            "lab.yaml:7: vehicles[0].cameras[0].depth.farthest_m: expected at least 4.79: how far "
-            "rover comes until it stops for what is in a picture (perception.image_period_s, "
-            "image_delay_s, map_rate_hz, map_publish_hz), found 4");
+  EXPECT_EQ(withCamera(drives + "    lidar: {}\n    height_m: 0.3\n",
+                       looks + "perception: {map_rate_hz: 1}\n"),
+            "lab.yaml:8: vehicles[0].cameras[0].depth.farthest_m: expected at least 5.57: how far "
+            "rover comes until it stops for what is in a picture, or for want of one (rate_hz, "
+            "perception.image_period_s, image_delay_s, map_rate_hz, map_publish_hz), found 4");
 }
 
 TEST(ConfigError, ANetworkWithoutItsFile) {
