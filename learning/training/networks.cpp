@@ -6,6 +6,7 @@
 
 #include "learning/training/lstm_network.h"
 #include "learning/training/pool_network.h"
+#include "learning/training/sorted_batch.h"
 #include "learning/training/torch_library.h"
 #include "planner/policies/ga3c_cadrl/weights.h"
 
@@ -24,10 +25,14 @@ ParameterLayout NetworkPlan::layout() const {
 
 namespace {
 
-/// With shared weights the first joint layer sees the agent itself beside some hundred inputs of
-/// slots, most of them empty. The agent's own part begins as large as it is beside one reader of
-/// all others, the slots share the rest: else a network of many slots takes millions of agent-steps
-/// to notice where its goal is.
+// With shared weights the first joint layer sees four inputs of the agent itself beside hundreds of
+// slots', most of them empty. Drawn as any other layer, such a network learns to keep away from
+// everybody and for millions of agent-steps does not notice where its goal is. So it begins with
+// quiet slots, of which the empty ones say nothing.
+
+/// Beside one reader of all others, whose weights are as large as the agent's own.
+constexpr float kLoudness = 0.3F;
+
 void balanceSlots(const ParameterLayout& layout, Parameters& parameters) {
   const ParameterLayout::Layer joint = layout.layer("layer1");
   const Eigen::Index slot = layout.layer("other").outputs;
@@ -37,7 +42,22 @@ void balanceSlots(const ParameterLayout& layout, Parameters& parameters) {
   const Eigen::Index own = planner::kEgoInputs * joint.outputs;
   parameters.segment(joint.kernel, own) *= grown;
   parameters.segment(joint.kernel + own, joint.inputs * joint.outputs - own) *=
-      grown / std::sqrt(slots);
+      kLoudness * grown / std::sqrt(slots);
+}
+
+/// Below zero in every unit, whose rectifier then passes nothing on, forward or back.
+void silenceEmptySlots(const ParameterLayout& layout, Parameters& parameters) {
+  constexpr float kBelow = 0.1F;
+  const ParameterLayout::Layer other = layout.layer("other");
+  const Eigen::RowVectorXf nobody = emptySlot();
+  for (Eigen::Index unit = 0; unit < other.outputs; ++unit) {
+    float sum = 0.0F;
+    for (Eigen::Index field = 0; field + 1 < other.inputs; ++field) {
+      sum += nobody[field] * parameters[other.kernel + field * other.outputs + unit];
+    }
+    parameters[other.bias + unit] = -sum - kBelow;
+    parameters[other.kernel + (other.inputs - 1) * other.outputs + unit] = sum + kBelow;
+  }
 }
 
 }  // namespace
@@ -62,6 +82,7 @@ Parameters initialParameters(const ParameterLayout& layout, core::RandomStream& 
   }
   if (layout.has("other")) {
     balanceSlots(layout, parameters);
+    silenceEmptySlots(layout, parameters);
   }
   return parameters;
 }

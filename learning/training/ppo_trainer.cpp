@@ -145,38 +145,20 @@ void PpoTrainer::collect(IterationFigures& figures) {
   }
 }
 
-// The world knows no left and right: a mirrored sample is as true as the one that it comes from.
-// What the policy would have thought of it is computed anew, so that ratios begin with one.
+// The world knows no left and right: a mirrored sample is as true as the one that it comes from,
+// drawn by the mirrored policy with the same probability. That probability stays: what the policy
+// itself would hardly ever do then counts as little. (With its own probability in place of it,
+// ratios begin with one, actions of probability 1e-9 count in full, and training breaks down.)
 void PpoTrainer::mirrorSome() {
   if (recipe_.ppo.mirrored_share <= 0.0) {
     return;
   }
   core::RandomStream random(recipe_.seed, fmt::format("training/mirror/{}", state_.iterations));
-  order_.clear();
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     if (random.chance(recipe_.ppo.mirrored_share)) {
       samples_.mirror(s);
-      order_.push_back(static_cast<std::uint32_t>(s));
     }
   }
-  const std::size_t parts = shards_.size();
-  workers_.forEach(recipe_.shards, [&](int i) {
-    const auto part = static_cast<std::size_t>(i);
-    const std::size_t begin = order_.size() * part / parts;
-    const std::size_t end = order_.size() * (part + 1) / parts;
-    Shard& shard = shards_[part];
-    shard.batch.clear();
-    for (std::size_t k = begin; k < end; ++k) {
-      shard.batch.add(samples_.ego[order_[k]], samples_.othersOf(order_[k]));
-    }
-    const Matrix& heads = shard.network->forward(state_.parameters, shard.batch);
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t s = order_[k];
-      samples_.log_probability[s] =
-          logProbabilities(heads.row(static_cast<Eigen::Index>(k - begin)).head<kActionCount>(),
-                           samples_.sharpness[s])[samples_.action[s]];
-    }
-  });
 }
 
 void PpoTrainer::normaliseAdvantages() {

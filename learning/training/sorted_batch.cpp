@@ -4,12 +4,9 @@
 
 namespace roundabout::learning {
 
-namespace {
-
 using planner::kOtherInputs;
 
-/// What an empty slot holds: zeros before normalisation, as in the published code.
-Eigen::RowVectorXf nobody() {
+Eigen::RowVectorXf emptySlot() {
   constexpr const planner::Normalisation& kNormalisation = planner::kPublishedNormalisation;
   Eigen::RowVectorXf fields(kOtherInputs + 1);
   for (std::size_t i = 0; i < kNormalisation.other_mean.size(); ++i) {
@@ -19,8 +16,6 @@ Eigen::RowVectorXf nobody() {
   fields[kOtherInputs] = 0.0F;
   return fields;
 }
-
-}  // namespace
 
 void SortedBatch::sort(const Batch& batch) {
   const auto others = [&](Eigen::Index b) { return batch.first(b + 1) - batch.first(b); };
@@ -90,7 +85,7 @@ Matrix SortedBatch::pairs(const Batch& batch) const {
 }
 
 Matrix SortedBatch::slots(const Batch& batch, int slots) const {
-  Matrix fields = nobody().replicate(size() * slots, 1);
+  Matrix fields = emptySlot().replicate(size() * slots, 1);
   for (Eigen::Index place = 0; place < size(); ++place) {
     const Eigen::Index b = observation(place);
     const Eigen::Index count = std::min<Eigen::Index>(batch.first(b + 1) - batch.first(b), slots);

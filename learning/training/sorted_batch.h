@@ -6,6 +6,10 @@
 
 namespace roundabout::learning {
 
+/// What a slot of shared weights holds if there is nobody: zeros before normalisation, as in the
+/// published code, and a 0.
+Eigen::RowVectorXf emptySlot();
+
 /// Observations sorted by their number of others, the most first; equals stay in their order. Then
 /// those that have a k-th other are the first rows, and those with as many others lie together:
 /// readers need no padding.

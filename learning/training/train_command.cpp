@@ -80,12 +80,13 @@ class Session {
     const Recipe& recipe = folder_.recipe();
     if (options.resume) {
       RunFolder::Checkpoint checkpoint = folder_.loadCheckpoint(networkPlan(recipe).layout());
-      before_ = checkpoint.expense;
+      watch_.emplace(checkpoint.expense);
       trainer_ = makeTrainer(recipe, threads_, std::move(checkpoint.state));
     } else {
+      watch_.emplace(Expense());  // a supervised start counts
       trainer_ = makeTrainer(recipe, threads_, initialState(recipe));
     }
-    watch_.emplace(before_);
+    first_wall_s_ = watch_->read().wall_s;
     first_steps_ = trainer_->state().agent_steps;
     last_validation_ = last_checkpoint_ = first_steps_;
   }
@@ -150,7 +151,7 @@ class Session {
     last_report_s_ = spent.wall_s;
     folder_.report(*trainer_, spent, figures, reward_.value(), success_.value());
     const long steps = trainer_->state().agent_steps;
-    const double rate = static_cast<double>(steps - first_steps_) / (spent.wall_s - before_.wall_s);
+    const double rate = static_cast<double>(steps - first_steps_) / (spent.wall_s - first_wall_s_);
     fmt::print(stderr,
                "{:.1f} of {:.1f} M agent-steps, {:.0f}/s, {} episodes, reward {:.3f}, success "
                "{:.3f}, {:.0f} min left\n",
@@ -188,10 +189,10 @@ class Session {
   RunFolder folder_;
   int threads_;
   std::unique_ptr<Trainer> trainer_;
-  Expense before_;
   std::optional<Stopwatch> watch_;
   RollingMean reward_;
   RollingMean success_;
+  double first_wall_s_ = 0.0;
   long first_steps_ = 0;
   long last_validation_ = 0;
   long last_checkpoint_ = 0;
