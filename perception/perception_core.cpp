@@ -67,20 +67,26 @@ Eigen::AlignedBox2d boundsOf(const config::Room& room) {
   return {room.min_m.head<2>() - margin, room.max_m.head<2>() + margin};
 }
 
-/// How many depth pictures wait until they count, and as long for poses and sweeps that are late.
+/// How many depth pictures wait until they count, for poses and sweeps that are late, and for the
+/// map.
 std::size_t mostDepths(const config::Vehicle& vehicle, const config::Perception& perception) {
+  const double waiting_s =
+      perception.image_delay_s + kLongerThanDelay_s + 1.0 / perception.map_rate_hz;
   double most = 0.0;
   for (const config::Camera& camera : vehicle.cameras) {
     const double period_s = std::max(perception.image_period_s, 1.0 / camera.rate_hz);
-    most += std::ceil((perception.image_delay_s + kLongerThanDelay_s) / period_s) + 1.0;
+    most += camera.depth ? std::ceil(waiting_s / period_s) + 1.0 : 0.0;
   }
   return static_cast<std::size_t>(most);
 }
 
-bool measuredSomething(const core::DepthImage& image) {
-  const auto nothing = std::count(image.depth_mm.begin(), image.depth_mm.end(), 0);
-  const auto pixels = static_cast<double>(image.depth_mm.size());
-  return pixels - static_cast<double>(nothing) >= kLeastMeasured * pixels;
+bool measuredSomething(const core::DepthImage& image, const config::DepthSensing& sensing) {
+  const auto measured =
+      std::count_if(image.depth_mm.begin(), image.depth_mm.end(), [&](std::uint16_t depth_mm) {
+        return depth_mm >= 1000.0 * sensing.nearest_m && depth_mm <= 1000.0 * sensing.farthest_m;
+      });
+  return static_cast<double>(measured) >=
+         kLeastMeasured * static_cast<double>(image.depth_mm.size());
 }
 
 }  // namespace
@@ -230,12 +236,12 @@ const char* PerceptionCore::onDepths(std::size_t camera, const core::DepthImage&
   if (!isDue(camera, image.utime)) {
     return nullptr;
   }
-  waiting_depths_.push_back({camera, image});
-  if (waiting_depths_.size() > most_depths_) {
-    waiting_depths_.pop_front();
+  // Those that wait longest are the next to count: dropped, none ever would.
+  if (waiting_depths_.size() >= most_depths_) {
     ++rejected_.images;
-    return "there is no scan of its time";
+    return "more come than its camera's rate_hz says, or no scan does";
   }
+  waiting_depths_.push_back({camera, image});
   return nullptr;
 }
 
@@ -334,7 +340,7 @@ void PerceptionCore::useDepths(core::Utime now) {
         views_.erase(views_.begin());
         ++rejected_.images;
       }
-      if (measuredSomething(depths.image)) {
+      if (measuredSomething(depths.image, *vehicle_.cameras[depths.camera].depth)) {
         newest_depths_[depths.camera] = exposure;
       }
       views_.push_back({std::move(depths.image), vehicle_.cameras[depths.camera], *pose,

@@ -121,11 +121,14 @@ void checkStart(const Experiment& experiment, std::size_t i, const Refuse& refus
 }
 
 /// How far a vehicle comes, at most, between the exposure of the last depth picture in its
-/// planner's map and its stop: it goes on until perception says that the picture is too old.
-double blindWayM(const Vehicle& vehicle, const Camera& camera, const Perception& perception) {
+/// planner's map and its stop: perception says when the picture is too old, and the planner holds
+/// once that has been said for long enough.
+double blindWayM(const Experiment& experiment, const Vehicle& vehicle, const Camera& camera) {
   const double speed_mps = vehicle.preferred_speed_mps;
-  return speed_mps * oldestDepthsS(vehicle, camera, perception) +
-         speed_mps * speed_mps / (2.0 * vehicle.max_acceleration_mps2) + vehicle.body_radius_m;
+  const double driven_s = oldestDepthsS(vehicle, camera, experiment.perception) +
+                          experiment.safety.tracks_hold_s + 1.0 / experiment.planner.rate_hz;
+  return speed_mps * driven_s + speed_mps * speed_mps / (2.0 * vehicle.max_acceleration_mps2) +
+         vehicle.body_radius_m;
 }
 
 void checkDepth(const Experiment& experiment, const Vehicle& vehicle, const Camera& camera,
@@ -149,13 +152,13 @@ void checkDepth(const Experiment& experiment, const Vehicle& vehicle, const Came
            fmt::format("at least vehicles[].height_m ({}) of {}", vehicle.height_m, vehicle.name),
            fmt::format("{}", experiment.perception.depth_highest_m));
   }
-  if (const double way_m = blindWayM(vehicle, camera, experiment.perception);
+  if (const double way_m = blindWayM(experiment, vehicle, camera);
       camera.depth->farthest_m < way_m) {
     refuse(
         path + ".depth.farthest_m",
         fmt::format("at least {:.2f}: how far {} comes until it stops for what is in a picture, or "
                     "for want of one (rate_hz, perception.image_period_s, image_delay_s, "
-                    "map_rate_hz, map_publish_hz)",
+                    "map_rate_hz, map_publish_hz, safety.tracks_hold_s)",
                     way_m, vehicle.name),
         fmt::format("{}", camera.depth->farthest_m));
   }

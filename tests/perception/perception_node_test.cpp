@@ -1,5 +1,6 @@
 #include "perception/perception_node.h"
 
+#include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -88,6 +89,26 @@ class PerceptionNodeTest : public ::testing::Test {
           bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
         }
       }
+      deliver();
+    }
+  }
+
+  /// A second of which all poses are there before the first scan.
+  void runWithLateScans(const std::function<void()>& send_pictures) {
+    std::vector<core::LaserScan> late;
+    for (int i = 0; i < 200; ++i) {
+      now_ += 5'000;
+      sendPose(now_);
+      if (now_ % 25'000 == 0) {
+        crowd_->step(0.025);
+        late.push_back(crowd_->scan());
+        late.back().utime = now_;
+      }
+      deliver();
+    }
+    send_pictures();
+    for (const core::LaserScan& scan : late) {
+      bus::publish(lab_, "LASER_SCAN_robot", bus::toMessage(scan));
       deliver();
     }
   }
@@ -293,6 +314,17 @@ TEST_F(PerceptionNodeTest, CountsPicturesThatDoNotDecodeAndMissesASilentCamera) 
   EXPECT_GE(heard_.back().num_tracks, 4);
 }
 
+// What is ahead of a sweep that comes late need not be ahead of the vehicle's poses.
+TEST_F(PerceptionNodeTest, LooksAtPicturesThatAreThereLongBeforeTheSweepsOfTheirTime) {
+  experiment_.vehicles[0].cameras.resize(1);
+  start(true);
+  run(0.5);
+  runWithLateScans([this] { sendImage("good", now_ - 100'000); });
+  run(0.5);
+  EXPECT_EQ(heard_.back().rejected_images, 0);
+  EXPECT_TRUE(node_->core().boxes().contains("front"));
+}
+
 /// Its camera measures depth.
 class PerceptionDepthTest : public PerceptionNodeTest {
  protected:
@@ -418,6 +450,28 @@ TEST_F(PerceptionDepthTest, AreUsedHoweverLateTheyCount) {
   EXPECT_EQ(heard_.back().health, kGood);
 }
 
+TEST_F(PerceptionDepthTest, AreUsedThoughMoreComeThanTheFileSays) {
+  experiment_.vehicles[0].cameras[0].rate_hz = 1.0;
+  experiment_.perception.image_period_s = 0.1;
+  experiment_.perception.image_delay_s = 4.0;
+  start();
+  for (int i = 0; i < 60; ++i) {
+    send(picture(now_ + 50'000));
+    run(0.1);
+  }
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+  EXPECT_EQ(heard_.back().health, kGood);
+}
+
+TEST_F(PerceptionDepthTest, AreUsedThoughTheyAreThereLongBeforeTheSweepsOfTheirTime) {
+  start();
+  run(0.5);
+  runWithLateScans([this] { send(picture(now_ - 100'000)); });
+  run(1.0);
+  EXPECT_EQ(heard_.back().rejected_images, 0);
+  EXPECT_GT(mappedBeyondSweeps(), 20U);
+}
+
 // A planner that has a map without what only depths show must not drive by it.
 TEST_F(PerceptionDepthTest, AreInTheMapThatGoesOutBeforeAnybodyDrives) {
   start();
@@ -455,7 +509,9 @@ TEST_F(PerceptionDepthTest, ThatShowNothingAreMissedAsIfThereWereNone) {
   ASSERT_EQ(heard_.back().health, kGood);
   for (int i = 0; i < 20; ++i) {
     core::DepthImage covered = picture(now_ + 100'000);
-    std::fill(covered.depth_mm.begin(), covered.depth_mm.end(), std::uint16_t{0});
+    // By a hand: too near to be measured, or to be believed of what says that it was.
+    const std::uint16_t depth_mm = i % 2 == 0 ? 0 : 40;
+    std::fill(covered.depth_mm.begin(), covered.depth_mm.end(), depth_mm);
     send(covered);
     run(0.2);
   }

@@ -123,9 +123,10 @@ TEST(ConfigError, DepthsThatCannotBeDrivenBy) {
             "rover, found 0.8");
   EXPECT_EQ(withCamera(drives + "    lidar: {}\n    height_m: 0.3\n",
                        looks + "perception: {map_rate_hz: 1}\n"),
-            "lab.yaml:8: vehicles[0].cameras[0].depth.farthest_m: expected at least 5.57: how far "
+            "lab.yaml:8: vehicles[0].cameras[0].depth.farthest_m: expected at least 5.81: how far "
             "rover comes until it stops for what is in a picture, or for want of one (rate_hz, "
-            "perception.image_period_s, image_delay_s, map_rate_hz, map_publish_hz), found 4");
+            "perception.image_period_s, image_delay_s, map_rate_hz, map_publish_hz, "
+            "safety.tracks_hold_s), found 4");
 }
 
 TEST(ConfigError, ANetworkWithoutItsFile) {
