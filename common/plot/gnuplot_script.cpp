@@ -97,7 +97,7 @@ void GnuplotScript::run() const {
 std::string gnuplotString(std::string_view text) {
   std::string result = "\"";
   for (const char character : text) {
-    if (character == '"' || character == '\\') {
+    if (character == '"' || character == '\\' || character == '`') {  // ` runs a command
       result += '\\';
     }
     result += static_cast<unsigned char>(character) < ' ' ? ' ' : character;

@@ -243,6 +243,7 @@ LossFigures Ga3cTrainer::addGradient(Desk& desk) {
 }
 
 void Ga3cTrainer::update(const Parameters& gradient) {
+  expectFinite(gradient.norm());
   const std::unique_lock writing(parameters_mutex_);
   const Stage& stage = *place_.stage;
   state_.adam.update(gradient, stage.at(stage.learning_rate, place_.done), state_.parameters);

@@ -150,6 +150,7 @@ void PpoTrainer::collect(IterationFigures& figures) {
 // itself would hardly ever do then counts as little. (With its own probability in place of it,
 // ratios begin with one, actions of probability 1e-9 count in full, and training breaks down.)
 void PpoTrainer::mirrorSome() {
+  mirrored_.assign(samples_.size(), false);
   if (recipe_.ppo.mirrored_share <= 0.0) {
     return;
   }
@@ -157,6 +158,7 @@ void PpoTrainer::mirrorSome() {
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     if (random.chance(recipe_.ppo.mirrored_share)) {
       samples_.mirror(s);
+      mirrored_[s] = true;
     }
   }
 }
@@ -211,8 +213,12 @@ LossFigures PpoTrainer::addGradient(Shard& shard, std::span<const std::uint32_t>
   LossFigures sum;
   for (std::size_t k = 0; k < order.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
-    sum += ppoLoss(recipe_.ppo, entropy_weight, samples_, order[k], advantages_[order[k]],
-                   heads.row(row), shard.d_heads.row(row));
+    LossFigures each = ppoLoss(recipe_.ppo, entropy_weight, samples_, order[k],
+                               advantages_[order[k]], heads.row(row), shard.d_heads.row(row));
+    if (mirrored_[order[k]]) {
+      each.divergence = 0.0;  // from the mirrored policy, which differed before any update
+    }
+    sum += each;
   }
   shard.gradient.setZero();
   shard.network->backward(state_.parameters, shard.batch, shard.d_heads, shard.gradient);
@@ -235,13 +241,19 @@ bool PpoTrainer::update(std::span<const std::uint32_t> order, LossFigures& sum) 
       gradient += shards_[part].gradient;
     }
   }
-  sum += figures;
   const auto count = static_cast<double>(order.size());
+  const auto own =
+      std::count_if(order.begin(), order.end(), [this](std::uint32_t s) { return !mirrored_[s]; });
+  if (own > 0) {
+    figures.divergence *= count / static_cast<double>(own);
+  }
+  sum += figures;
   if (figures.divergence / count > recipe_.ppo.max_divergence) {
     return false;
   }
   gradient /= static_cast<float>(count);
   const double norm = gradient.norm();
+  expectFinite(norm);
   if (norm > recipe_.ppo.max_gradient_norm) {
     gradient *= static_cast<float>(recipe_.ppo.max_gradient_norm / norm);
   }

@@ -55,6 +55,7 @@ class PpoTrainer final : public Trainer {
   StagePlace place_{};
   std::shared_ptr<const planner::Ga3cCadrlWeights> flown_;  // in the lab
   Samples samples_;
+  std::vector<bool> mirrored_;     // of samples_
   std::vector<float> advantages_;  // normalised
   std::vector<std::uint32_t> order_;
 };

@@ -167,6 +167,10 @@ Recipe parseRecipe(const std::string& yaml, const std::string& file,
     if (stage.name.empty()) {
       stage.name = fmt::format("stage {}", i + 1);
     }
+    if (stage.name.find_first_of(",\"\n\r") != std::string::npos) {
+      document.fail(fmt::format("stages[{}].name", i), "no comma, quote or line break (of a table)",
+                    stage.name);
+    }
     if (const auto [same, is_new] = names.emplace(fileNameOf(stage), i); !is_new) {
       document.fail(fmt::format("stages[{}].name", i),
                     fmt::format("another name than that of stages[{}] (after_{}.safetensors is "

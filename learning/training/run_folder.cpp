@@ -104,11 +104,18 @@ RunFolder RunFolder::create(const std::string& path, const Recipe& recipe) {
 
 RunFolder RunFolder::open(const std::string& path) {
   const std::filesystem::path folder(path);
-  if (!std::filesystem::exists(folder / kCheckpoint)) {
-    throw StartupError(path, "run", std::string("a folder with ") + kCheckpoint, "none");
+  if (!std::filesystem::exists(folder / kRecipe)) {
+    throw StartupError(path, "run", std::string("a folder with ") + kRecipe, "none");
   }
   return {folder, readRecipe((folder / kRecipe).string(), {})};
 }
+
+void RunFolder::discard() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+bool RunFolder::hasCheckpoint() const { return std::filesystem::exists(path_ / kCheckpoint); }
 
 void RunFolder::saveCheckpoint(const Trainer& trainer, const Expense& expense) {
   const TrainingState& state = trainer.state();

@@ -45,8 +45,10 @@ class RunFolder {
   /// A new folder. Throws core::StartupError if it is there already, or cannot be made. Nobody else
   /// can open it as long as this object lives.
   static RunFolder create(const std::string& path, const Recipe& recipe);
-  /// Throws core::StartupError if there is no checkpoint, or somebody else has opened it.
+  /// Throws core::StartupError if there is no run, or somebody else has opened it.
   static RunFolder open(const std::string& path);
+  /// Removes a run that could not begin, so that it can be begun again.
+  void discard();
 
   const Recipe& recipe() const { return recipe_; }
 
@@ -56,6 +58,8 @@ class RunFolder {
     TrainingState state;
     Expense expense;
   };
+  /// Not before the first: such a run begins anew.
+  bool hasCheckpoint() const;
   Checkpoint loadCheckpoint(const ParameterLayout& layout);
 
   void report(const Trainer& trainer, const Expense& expense, const IterationFigures& figures,

@@ -78,13 +78,13 @@ class Session {
   Session(RunFolder folder, const Options& options)
       : folder_(std::move(folder)), threads_(options.threads) {
     const Recipe& recipe = folder_.recipe();
-    if (options.resume) {
+    if (options.resume && folder_.hasCheckpoint()) {
       RunFolder::Checkpoint checkpoint = folder_.loadCheckpoint(networkPlan(recipe).layout());
       watch_.emplace(checkpoint.expense);
       trainer_ = makeTrainer(recipe, threads_, std::move(checkpoint.state));
     } else {
       watch_.emplace(Expense());  // a supervised start counts
-      trainer_ = makeTrainer(recipe, threads_, initialState(recipe));
+      beginAnew(options.resume);
     }
     first_wall_s_ = watch_->read().wall_s;
     first_steps_ = trainer_->state().agent_steps;
@@ -133,6 +133,20 @@ class Session {
   }
 
  private:
+  void beginAnew(bool keep_folder) {
+    try {
+      trainer_ = makeTrainer(folder_.recipe(), threads_, initialState(folder_.recipe()));
+    } catch (...) {
+      if (!keep_folder) {
+        folder_.discard();
+      }
+      throw;
+    }
+    if (folder_.recipe().imitation.updates > 0) {
+      folder_.saveCheckpoint(*trainer_, watch_->read());
+    }
+  }
+
   /// Whether a multiple of `every` lies between the last time and now.
   static bool passed(long& last, long now, double every) {
     const bool is_due = static_cast<long>(static_cast<double>(now) / every) >

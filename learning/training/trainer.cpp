@@ -1,6 +1,9 @@
 #include "learning/training/trainer.h"
 
+#include <cmath>
 #include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "common/core/error.h"
 #include "learning/training/ga3c_trainer.h"
@@ -27,6 +30,15 @@ void expectTheSameKind(const planner::nn::TensorFile& file, const ParameterLayou
 }
 
 }  // namespace
+
+void Trainer::expectFinite(double gradient_norm) const {
+  if (!std::isfinite(gradient_norm)) {
+    throw core::StartupError("train", "gradient",
+                             "finite numbers (the last checkpoint holds some: --resume, or another "
+                             "recipe)",
+                             fmt::format("others after {} agent-steps", state_.agent_steps));
+  }
+}
 
 TrainingState initialState(const Recipe& recipe) {
   const ParameterLayout layout = networkPlan(recipe).layout();

@@ -50,6 +50,9 @@ class Trainer {
  protected:
   Trainer(const Recipe& recipe, TrainingState state);
 
+  /// Throws core::StartupError if training has diverged, before a checkpoint is lost to it.
+  void expectFinite(double gradient_norm) const;
+
   const Recipe recipe_;
   const NetworkPlan plan_;
   const ParameterLayout layout_;

@@ -182,7 +182,7 @@ std::string drawTraining(const std::vector<std::string>& runs, const std::string
     script.data(fmt::format("band{}", i), rowsOf(groups[i].runs));
     const std::string color = plot::hex(plot::vehicleColor(i, groups.size()));
     const std::string title =
-        groups.size() > 1 ? fmt::format("title \"{}\"", groups[i].name) : "notitle";
+        groups.size() > 1 ? "title " + plot::gnuplotString(groups[i].name) : "notitle";
     bands += fmt::format(
         "{}$band{} using 1:2:4 with filledcurves fc rgb \"{}\" fs transparent solid 0.2 noborder "
         "notitle",

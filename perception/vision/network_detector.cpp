@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -85,6 +87,23 @@ cv::Size sizeOf(const cv::dnn::Net& network, Format format, const std::string& t
   return {side, side};
 }
 
+/// What Darknet's .weights have room for at least: numbers alone, so that OpenCV takes a torn file
+/// for a whole one.
+std::uintmax_t bytesOfWeights(const cv::dnn::Net& network) {
+  constexpr std::uintmax_t kHeader = 16;
+  std::uintmax_t bytes = kHeader;
+  for (const std::string& name : network.getLayerNames()) {
+    const auto layer = network.getLayer(network.getLayerId(name));
+    if (layer->type == "Convolution" || layer->type == "BatchNorm" ||
+        layer->type == "InnerProduct") {
+      for (const cv::Mat& blob : layer->blobs) {
+        bytes += blob.total() * sizeof(float);
+      }
+    }
+  }
+  return bytes;
+}
+
 /// As the networks of each kind that most use were trained.
 void preprocessAsCustomary(Format format, const NetworkOutput& output, Input& input) {
   if (output.isYolo()) {
@@ -113,10 +132,14 @@ class NetworkDetector final : public OpenCvDetector {
     const config::DetectorNetwork& wanted = settings.network;
     const Format format = formatOf(path_);
     network_ = cv::dnn::readNet(path_, topologyOf(path_));
+    if (format == Format::kDarknet) {
+      refuseTornWeights(where);
+    }
     input_.size_px = wanted.input_px ? cv::Size(wanted.input_px->cast<int>().x(),
                                                 wanted.input_px->cast<int>().y())
                                      : sizeOf(network_, format, topologyOf(path_));
     recognise(where);
+    timeOneRun();
     preprocessAsCustomary(format, output_, input_);
     if (wanted.mean) {
       input_.mean = {wanted.mean->x(), wanted.mean->y(), wanted.mean->z()};
@@ -138,6 +161,7 @@ class NetworkDetector final : public OpenCvDetector {
                        output_.isYolo() ? "YOLO" : "SSD", input_.size_px.width,
                        input_.size_px.height, person_, classes);
   }
+  double pictureS() const override { return picture_s_; }
 
  private:
   std::vector<PersonBox> find(const cv::Mat& picture) override {
@@ -181,6 +205,17 @@ class NetworkDetector final : public OpenCvDetector {
     return outputs;
   }
 
+  void refuseTornWeights(const std::string& where) const {
+    const std::uintmax_t expected = bytesOfWeights(network_);
+    const std::uintmax_t found = std::filesystem::file_size(path_);
+    if (found < expected) {
+      throw core::StartupError(
+          where, "perception.detector",
+          fmt::format("the whole file: at least {} bytes by {}", expected, topologyOf(path_)),
+          fmt::format("\"{}\" of {}", path_, found));
+    }
+  }
+
   void recognise(const std::string& where) {
     std::vector<cv::Mat> outputs;
     const std::string size =
@@ -205,7 +240,19 @@ class NetworkDetector final : public OpenCvDetector {
                                "a network of the kinds SSD or YOLO (docs/perception.md)",
                                "\"" + path_ + "\", whose output is " + sizes);
     }
+    if (!std::all_of(outputs.begin(), outputs.end(),
+                     [](const cv::Mat& each) { return cv::checkRange(each); })) {
+      throw core::StartupError(where, "perception.detector", "a network that is whole",
+                               "\"" + path_ + "\", which does not say numbers");
+    }
     output_ = *output;
+  }
+
+  /// Not the first, which prepares the others.
+  void timeOneRun() {
+    const auto began = std::chrono::steady_clock::now();
+    run(cv::Mat::zeros(input_.size_px, CV_8UC3));
+    picture_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }
 
   std::string path_;
@@ -213,6 +260,7 @@ class NetworkDetector final : public OpenCvDetector {
   Input input_;
   NetworkOutput output_;
   int person_ = 0;
+  double picture_s_ = 0.0;
 };
 
 /// OpenCV writes its errors to the standard error too; they are said once, in our words.

@@ -16,7 +16,11 @@ constexpr int kMostFinished = 300;
 constexpr float kOverlap = 0.45F;
 constexpr int kMostBoxes = 300;  // in one picture
 
-/// The last dimension; those before it must be 1 but for one.
+/// Rows of numbers. Else they are features of a picture's places.
+bool isTable(const cv::Mat& output) {
+  return output.dims == 2 || (output.dims == 3 && output.size[0] == 1);
+}
+
 int columnsOf(const cv::Mat& output) { return output.size[output.dims - 1]; }
 
 int rowsOf(const cv::Mat& output) {
@@ -28,7 +32,8 @@ cv::Mat asTable(const cv::Mat& output) {
 }
 
 std::optional<NetworkOutput> recogniseSplit(const std::vector<cv::Mat>& outputs) {
-  if (outputs.size() != 2 || rowsOf(outputs[0]) != rowsOf(outputs[1])) {
+  if (outputs.size() != 2 || !isTable(outputs[0]) || !isTable(outputs[1]) ||
+      rowsOf(outputs[0]) != rowsOf(outputs[1])) {
     return std::nullopt;
   }
   const bool is_ambiguous = columnsOf(outputs[0]) == kCorners && columnsOf(outputs[1]) == kCorners;
@@ -45,14 +50,14 @@ std::optional<NetworkOutput> recogniseSplit(const std::vector<cv::Mat>& outputs)
 }
 
 std::optional<NetworkOutput> recogniseYolo(const cv::Mat& output) {
+  if (!isTable(output)) {
+    return std::nullopt;
+  }
   if (output.dims == 2) {
     const int classes = columnsOf(output) - kCorners - 1;
     const bool is_one_answer = rowsOf(output) == 1;  // of a classifier
     return is_one_answer || classes < 1 ? std::nullopt
                                         : std::optional(NetworkOutput{Kind::kRegions, classes});
-  }
-  if (output.dims != 3 || output.size[0] != 1) {
-    return std::nullopt;
   }
   // There are more boxes than numbers of a box.
   const bool columns = output.size[1] < output.size[2];
@@ -114,8 +119,8 @@ std::optional<NetworkOutput> recogniseOutput(const std::vector<cv::Mat>& outputs
     }
   }
   if (outputs.size() == 1 && outputs[0].dims == 4 && columnsOf(outputs[0]) == kDetection) {
-    const bool is_table = outputs[0].size[0] == 1 && outputs[0].size[1] == 1;  // else features
-    return is_table ? std::optional(NetworkOutput{Kind::kDetections}) : std::nullopt;
+    const bool is_one_list = outputs[0].size[0] == 1 && outputs[0].size[1] == 1;
+    return is_one_list ? std::optional(NetworkOutput{Kind::kDetections}) : std::nullopt;
   }
   if (auto split = recogniseSplit(outputs)) {
     return split;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <opencv2/objdetect.hpp>
 
 #include "perception/vision/network_detector.h"
@@ -40,6 +41,18 @@ class HogDetector final : public OpenCvDetector {
 };
 
 }  // namespace
+
+std::string whyTooSlow(const PersonDetector& detector, std::size_t cameras,
+                       const config::Perception& settings) {
+  const double takes_s = static_cast<double>(cameras) * detector.pictureS();
+  if (takes_s <= std::min(settings.image_delay_s, settings.image_period_s)) {
+    return {};
+  }
+  return fmt::format(
+      "pictures of {} cameras take {:.2f} s, more than perception.image_delay_s ({}) or "
+      "image_period_s ({}): tracks will wait for them",
+      cameras, takes_s, settings.image_delay_s, settings.image_period_s);
+}
 
 std::unique_ptr<PersonDetector> makePersonDetector(const config::Perception& settings,
                                                    const std::string& where) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,10 +22,11 @@ struct PersonBox {
   double confidence = 0.0;  ///< 0 to 1
 };
 
-/// Whether it has edges and an area.
+/// Whether it has edges, an area, and a confidence.
 inline bool isBox(const PersonBox& box) {
   return std::isfinite(box.left) && std::isfinite(box.top) && std::isfinite(box.right) &&
-         std::isfinite(box.bottom) && box.right > box.left && box.bottom > box.top;
+         std::isfinite(box.bottom) && box.right > box.left && box.bottom > box.top &&
+         std::isfinite(box.confidence);
 }
 
 /// Finds people in pictures. One thread at a time may use an object.
@@ -39,7 +41,14 @@ class PersonDetector {
   virtual std::optional<std::vector<PersonBox>> detect(std::span<const std::uint8_t> jpeg) = 0;
   /// What it is, in words.
   virtual std::string name() const = 0;
+  /// What a picture takes it at least, here. s; 0: it was not tried.
+  virtual double pictureS() const { return 0.0; }
 };
+
+/// Why tracks will come late when it looks at the pictures of so many cameras, which may be taken
+/// at once; empty: they will not.
+std::string whyTooSlow(const PersonDetector& detector, std::size_t cameras,
+                       const config::Perception& settings);
 
 /// Of `settings.detector`: "hog": histograms of oriented gradients with the weights that OpenCV
 /// brings (Dalal, Triggs, CVPR 2005); "none": nullptr; else the path of a network

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "perception/vision/network_output.h"
@@ -136,8 +137,8 @@ INSTANTIATE_TEST_SUITE_P(
              "class 14 of 20"},
         Form{"darknet", "n.weights", [](const auto& path) { test::writeDarknet(path, 320, 256); },
              320, 256, true, "YOLO, 320 x 256 pixels, class 0 of 1"},
-        Form{"caffe_ssd", "n.caffemodel", test::writeCaffeSsd, 300, 300, false,
-             "SSD, 300 x 300 pixels, class 15"},
+        Form{"caffe_ssd", "n.caffemodel", [](const auto& path) { test::writeCaffeSsd(path, 300); },
+             300, 300, false, "SSD, 300 x 300 pixels, class 15"},
         Form{"onnx_ssd_voc", "n.onnx",
              [](const auto& path) { test::writeOnnxSsd(path, 320, 256, 21, 15); }, 320, 256, false,
              "SSD, 320 x 256 pixels, class 15 of 21"},
@@ -192,6 +193,56 @@ TEST_F(NetworkDetector, TakesTheSizeThatDarknetsFileSays) {
   EXPECT_NE(name.find("352 x 256 pixels"), std::string::npos) << name;
 }
 
+TEST_F(NetworkDetector, TakesTheSizeThatCaffesFileSays) {
+  settings_.detector = folder_.file("n.caffemodel");
+  settings_.network.input_px.reset();
+  test::writeCaffeSsd(settings_.detector, 384);
+  const auto detector = make();
+  EXPECT_NE(detector->name().find("384 x 384 pixels"), std::string::npos) << detector->name();
+  const auto boxes = detector->detect(pictureWith(kRed, 160.0, 133.0, 213.0, 167.0));
+  ASSERT_TRUE(boxes);
+  ASSERT_EQ(boxes->size(), 1U);
+  EXPECT_NEAR(boxes->front().left, 80 * kWidth / 384.0, 0.5);
+  EXPECT_NEAR(boxes->front().bottom, 192 * kHeight / 384.0, 0.5);
+}
+
+// The boxes are those of the camera's pixels.
+TEST_F(NetworkDetector, TurnsNoPicture) {
+  test::writeYolo8(settings_.detector, 320, 320, 1, 0);
+  const auto upright = pictureWith(kRed, 192, 136, 256, 200);
+  const auto expected = make()->detect(upright);
+  ASSERT_TRUE(expected);
+  ASSERT_EQ(expected->size(), 1U);
+  // EXIF that says: upside down. A directory of one entry, Orientation, the short 3.
+  const std::vector<std::uint8_t> exif{0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0,    0,    'I', 'I',
+                                       42,   0,    8, 0,  0,   0,   1,   0,   0x12, 0x01, 3,   0,
+                                       1,    0,    0, 0,  3,   0,   0,   0,   0,    0,    0,   0};
+  auto marked = upright;
+  marked.insert(marked.begin() + 2, exif.begin(), exif.end());
+  const auto boxes = make()->detect(marked);
+  ASSERT_TRUE(boxes);
+  ASSERT_EQ(boxes->size(), 1U);
+  EXPECT_EQ(boxes->front().left, expected->front().left);
+  EXPECT_EQ(boxes->front().top, expected->front().top);
+}
+
+TEST_F(NetworkDetector, IsTimedAtTheStart) {
+  test::writeYolo8(settings_.detector, 320, 320, 80, 0);
+  const auto detector = make();
+  ASSERT_GT(detector->pictureS(), 0.0);
+  const auto afford = [&](double delay_s, double period_s) {
+    config::Perception settings;
+    settings.image_delay_s = delay_s;
+    settings.image_period_s = period_s;
+    return whyTooSlow(*detector, 3, settings);
+  };
+  const double three_s = 3.0 * detector->pictureS();
+  EXPECT_EQ(afford(1.01 * three_s, 1.01 * three_s), "");
+  EXPECT_NE(afford(0.99 * three_s, 60.0).find("pictures of 3 cameras take"), std::string::npos);
+  EXPECT_NE(afford(5.0, 0.99 * three_s).find("tracks will wait"), std::string::npos);
+  EXPECT_EQ(whyTooSlow(*detector, 0, {}), "") << "depth cameras' pictures are not looked at";
+}
+
 TEST_F(NetworkDetector, RefusesASizeThatTheNetworkDoesNotTake) {
   test::writeYolo5(settings_.detector, 320, 256, 1, 0);
   const std::string said = refusal();
@@ -223,9 +274,36 @@ TEST_F(NetworkDetector, RefusesATornFile) {
   EXPECT_NE(said.find(settings_.detector), std::string::npos) << said;
 }
 
+TEST_F(NetworkDetector, RefusesTornWeightsOfDarknet) {
+  settings_.detector = folder_.file("n.weights");
+  test::writeDarknet(settings_.detector, 320, 320);
+  const auto whole = std::filesystem::file_size(settings_.detector);
+  std::filesystem::resize_file(settings_.detector, whole - 8);
+  const std::string said = refusal();
+  EXPECT_NE(said.find("perception.detector: expected the whole file"), std::string::npos) << said;
+  EXPECT_NE(said.find(fmt::format("n.weights\" of {}", whole - 8)), std::string::npos) << said;
+}
+
+TEST_F(NetworkDetector, RefusesWhatSaysNoNumbers) {
+  settings_.detector = folder_.file("n.weights");
+  test::writeDarknet(settings_.detector, 320, 320);
+  constexpr std::streamoff kFirstBias = 20;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::fstream(settings_.detector, std::ios::binary | std::ios::in | std::ios::out)
+      .seekp(kFirstBias)
+      .write(reinterpret_cast<const char*>(&nan), sizeof(nan));
+  const std::string said = refusal();
+  EXPECT_NE(said.find("which does not say numbers"), std::string::npos) << said;
+}
+
+TEST_F(NetworkDetector, RefusesAPathThatNoFileCanHave) {
+  settings_.detector = std::string(5000, 'a') + ".onnx";
+  EXPECT_NE(refusal().find("lab.yaml: perception.detector"), std::string::npos) << refusal();
+}
+
 TEST_F(NetworkDetector, RefusesWeightsWithoutTheFileBesideThem) {
   settings_.detector = folder_.file("n.caffemodel");
-  test::writeCaffeSsd(settings_.detector);
+  test::writeCaffeSsd(settings_.detector, 300);
   std::filesystem::remove(folder_.file("n.prototxt"));
   const std::string said = refusal();
   EXPECT_NE(said.find("n.prototxt\" beside the weights"), std::string::npos) << said;
@@ -238,6 +316,7 @@ TEST(NetworkOutput, IsNoDetectorsIfItOnlyLooksLikeOne) {
   EXPECT_FALSE(recogniseOutput({zeros({1, 512, 7, 7})})) << "features of a picture";
   EXPECT_TRUE(recogniseOutput({zeros({1, 3000, 4}), zeros({1, 3000, 21})}));
   EXPECT_FALSE(recogniseOutput({zeros({1, 4}), zeros({1, 21})})) << "one box of a regression";
+  EXPECT_FALSE(recogniseOutput({zeros({1, 20, 9, 4}), zeros({1, 20, 9, 21})})) << "features";
   EXPECT_FALSE(recogniseOutput({zeros({1, 3000, 4}), zeros({1, 3000, 4})})) << "which are boxes?";
   EXPECT_TRUE(recogniseOutput({zeros({1, 6300, 6})}));
   EXPECT_FALSE(recogniseOutput({zeros({1, 300, 6})})) << "corners, score and class";
@@ -251,6 +330,7 @@ TEST(NetworkOutput, WhatIsNoBoxDisplacesNobody) {
                                     {11.0, 10.0, 50.0, 100.0, 0.8},
                                     {90.0, 10.0, 60.0, 100.0, 0.95},
                                     {-kFar, -kFar, kFar, kFar, 0.97},
+                                    {12.0, 10.0, 50.0, 100.0, kFar},
                                     {200.0, 10.0, 240.0, 100.0, 0.7}});
   ASSERT_EQ(left.size(), 2U);
   EXPECT_EQ(left[0].confidence, 0.9);

@@ -237,8 +237,7 @@ void writeClassifier(const std::string& path, int width, int height, int classes
   graph.write(path);
 }
 
-void writeCaffeSsd(const std::string& path) {
-  constexpr int kSide = 300;
+void writeCaffeSsd(const std::string& path, int side) {
   constexpr int kClasses = 21;
   constexpr int kPerson = 15;
   // Priors of 64 x 96 pixels: one of PriorBox's sizes is the root of its area, the ratio 2 / 3.
@@ -263,7 +262,7 @@ layer {{ name: "detection_out" type: "DetectionOutput" bottom: "loc_flat" bottom
   detection_output_param {{ num_classes: {1} share_location: true background_label_id: 0
     nms_param {{ nms_threshold: 0.45 top_k: 100 }} code_type: CENTER_SIZE keep_top_k: 100 confidence_threshold: 0.01 }} }}
 )",
-                        kSide, kClasses, kCell, kBoxWidth, kBoxHeight));
+                        side, kClasses, kCell, kBoxWidth, kBoxHeight));
   const auto layer = [](const std::string& name, int outputs, const std::vector<float>& weights) {
     Fields shape;
     for (const int size : {outputs, 3, kCell, kCell}) {

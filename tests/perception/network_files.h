@@ -22,9 +22,9 @@ void writeOnnxSsd(const std::string& path, int width, int height, int classes, i
 /// An image classifier: no detector.
 void writeClassifier(const std::string& path, int width, int height, int classes);
 
-/// MobileNet-SSD's form: a .caffemodel at `path` and the .prototxt beside it, 300 x 300, the input
+/// MobileNet-SSD's form: a .caffemodel at `path` and the .prototxt beside it, a square input
 /// (x - 127.5) / 127.5 in the order blue, green, red, 21 classes of which 15 is a person.
-void writeCaffeSsd(const std::string& path);
+void writeCaffeSsd(const std::string& path, int side);
 
 /// YOLO 3's form: a .weights at `path` and the .cfg beside it, one class.
 void writeDarknet(const std::string& path, int width, int height);

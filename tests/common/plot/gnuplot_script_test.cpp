@@ -26,7 +26,7 @@ TEST(GnuplotScript, QuotesWhatGnuplotSays) {
 }
 
 TEST(GnuplotScript, QuotesTextSoThatNothingIsInterpreted) {
-  EXPECT_EQ(gnuplotString("a\"b\\c\nd"), "\"a\\\"b\\\\c d\"");
+  EXPECT_EQ(gnuplotString("a\"b\\c\nd`e`"), "\"a\\\"b\\\\c d\\`e\\`\"");
 }
 
 TEST(GnuplotScript, DrawsIntoAFileOfAnyName) {

@@ -49,6 +49,7 @@ TEST(Recipe, GivesEveryStageAFileOfItsOwn) {
   EXPECT_THAT(errorOf("stages: [{name: a b}, {name: c}, {name: a/b}]"),
               testing::AllOf(HasSubstr("stages[2].name"), HasSubstr("that of stages[0]"),
                              HasSubstr("after_a_b.safetensors")));
+  EXPECT_THAT(errorOf("stages: [{name: \"few, 4\"}]"), HasSubstr("stages[0].name"));
   const Recipe unnamed = parseRecipe("stages: [{min_agents: 2}, {name: a}, {}]", "recipe.yaml", {});
   EXPECT_EQ(unnamed.stages[0].name, "stage 1");
   EXPECT_EQ(unnamed.stages[2].name, "stage 3");

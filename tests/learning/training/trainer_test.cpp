@@ -123,6 +123,29 @@ TEST(Trainer, ContinuesExactlyWithHardCases) {
   EXPECT_NE(without->state().parameters, whole->state().parameters) << "no hard case was met";
 }
 
+// They are not of the policy that learns, and would end every iteration at once.
+TEST(Trainer, MirroredSamplesAreNoDivergence) {
+  Recipe recipe = test::smallRecipe();
+  recipe.ppo.environments = 40;
+  recipe.ppo.minibatch = 200;
+  recipe.ppo.max_divergence = 1e-3;
+  recipe.ppo.mirrored_share = 0.9;
+  TrainingState leaning = initialState(recipe);
+  const ParameterLayout::Layer policy = networkPlan(recipe).layout().layer("policy");
+  leaning.parameters[policy.bias] = 3.0F;  // ahead, and 30 degrees to the right
+  const auto trainer = makeTrainer(recipe, 1, std::move(leaning));
+  iterate(*trainer, 4);
+  EXPECT_GE(trainer->state().adam.updates, 4);
+}
+
+TEST(Trainer, StopsWhenItDiverges) {
+  Recipe recipe = test::smallRecipe();
+  recipe.stages[0].learning_rate = {1e30, 1e30};
+  const auto trainer = trainerOf(recipe);
+  EXPECT_THAT(test::startupErrorOf([&] { iterate(*trainer, 5); }),
+              testing::HasSubstr("gradient: expected finite numbers"));
+}
+
 TEST(Trainer, IsTheSameWithAnyNumberOfThreads) {
   const auto alone = trainerOf(test::smallRecipe(), 1);
   const auto together = trainerOf(test::smallRecipe(), 3);
