@@ -42,15 +42,14 @@ class HogDetector final : public OpenCvDetector {
 
 }  // namespace
 
-std::string whyTooSlow(const PersonDetector& detector, std::size_t cameras,
-                       const config::Perception& settings) {
-  const double takes_s = static_cast<double>(cameras) * detector.pictureS();
+std::string whyTooSlow(double picture_s, std::size_t cameras, const config::Perception& settings) {
+  const double takes_s = static_cast<double>(cameras) * picture_s;
   if (takes_s <= std::min(settings.image_delay_s, settings.image_period_s)) {
     return {};
   }
   return fmt::format(
-      "pictures of {} cameras take {:.2f} s, more than perception.image_delay_s ({}) or "
-      "image_period_s ({}): tracks will wait for them",
+      "to find people in a picture of each of {} cameras takes {:.3g} s, more than "
+      "perception.image_delay_s ({}) or image_period_s ({}): tracks will wait for it",
       cameras, takes_s, settings.image_delay_s, settings.image_period_s);
 }
 

@@ -45,10 +45,9 @@ class PersonDetector {
   virtual double pictureS() const { return 0.0; }
 };
 
-/// Why tracks will come late when it looks at the pictures of so many cameras, which may be taken
-/// at once; empty: they will not.
-std::string whyTooSlow(const PersonDetector& detector, std::size_t cameras,
-                       const config::Perception& settings);
+/// Why tracks will come late by a detector that a picture takes so long, when so many cameras take
+/// theirs at once; empty: they will not.
+std::string whyTooSlow(double picture_s, std::size_t cameras, const config::Perception& settings);
 
 /// Of `settings.detector`: "hog": histograms of oriented gradients with the weights that OpenCV
 /// brings (Dalal, Triggs, CVPR 2005); "none": nullptr; else the path of a network
