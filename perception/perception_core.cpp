@@ -28,7 +28,10 @@ constexpr double kAroundAgent_m = 0.2;
 constexpr double kFreeRange_m = 6.0;
 // A track nearer than this to another vehicle's middle is that vehicle.
 constexpr double kAtVehicle_m = 0.3;
-constexpr double kSilentPeriods = 5.0;
+// A camera is silent after a second, or so many of its periods: one picture may be lost.
+constexpr double kSilent_s = 1.0;
+constexpr double kFewestSilentPeriods = 2.5;
+constexpr double kMostSilentPeriods = 5.0;
 // Of a picture's time stamp to the newest pose: poses and pictures come on ways of their own.
 constexpr double kMostAhead_s = 0.5;
 // Poses are remembered so much longer than pictures wait.
@@ -460,8 +463,10 @@ void PerceptionCore::judgeHealth(core::AgentTracks& tracks) const {
 
 bool PerceptionCore::isHeard(std::size_t camera, core::Utime now) const {
   const core::Utime last = last_image_[camera];
+  const double period_s = 1.0 / vehicle_.cameras[camera].rate_hz;
   return !isAhead(last, poses_.newest()) &&
-         core::toSeconds(now - last) <= kSilentPeriods / vehicle_.cameras[camera].rate_hz;
+         core::toSeconds(now - last) <=
+             std::clamp(kSilent_s, kFewestSilentPeriods * period_s, kMostSilentPeriods * period_s);
 }
 
 const char* PerceptionCore::faultOfDepths(std::size_t camera, core::Utime now) const {
@@ -473,9 +478,8 @@ const char* PerceptionCore::faultOfDepths(std::size_t camera, core::Utime now) c
   }
   const double oldest_s =
       config::oldestDepthsS(vehicle_, vehicle_.cameras[camera], experiment_.perception);
-  return core::toSeconds(now - shown_depths_[camera]) > oldest_s
-             ? "sends pictures, but none that shows something"
-             : nullptr;
+  return core::toSeconds(now - shown_depths_[camera]) > oldest_s ? "has shown nothing for too long"
+                                                                 : nullptr;
 }
 
 void PerceptionCore::beginEpoch() {

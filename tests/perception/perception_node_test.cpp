@@ -516,10 +516,24 @@ TEST_F(PerceptionDepthTest, ThatShowNothingAreMissedAsIfThereWereNone) {
     run(0.2);
   }
   EXPECT_EQ(heard_.back().health, kBlind);
-  EXPECT_EQ(heard_.back().reason,
-            "depth camera front sends pictures, but none that shows something");
+  EXPECT_EQ(heard_.back().reason, "depth camera front has shown nothing for too long");
   runWithPictures(2.0);
   EXPECT_EQ(heard_.back().health, kGood);
+}
+
+TEST_F(PerceptionDepthTest, AreMissedOfASlowCameraBeforeFivePeriods) {
+  experiment_.vehicles[0].cameras[0].rate_hz = 1.0;
+  start();
+  for (int i = 0; i < 5; ++i) {
+    send(picture(now_ + 100'000));
+    run(1.0);
+  }
+  ASSERT_EQ(heard_.back().health, kGood);
+  run(1.0);
+  EXPECT_EQ(heard_.back().health, kGood) << "one may be lost";
+  run(0.8);
+  EXPECT_EQ(heard_.back().health, kBlind);
+  EXPECT_EQ(heard_.back().reason, "depth camera front is silent");
 }
 
 TEST_F(PerceptionDepthTest, GoIntoTheMapAfterTheTimeWentBack) {
