@@ -105,6 +105,22 @@ TEST_P(TrainCommand, EndsAlikeTwiceAndAfterBeingKilled) {
                     scratch_ / "killed/network.safetensors");
 }
 
+TEST_P(TrainCommand, BeginsAgainWhatWasKilledBeforeItsFirstCheckpoint) {
+  ASSERT_EQ(statusOf(startTraining(begin("whole"))), 0);
+  fs::create_directory(scratch_ / "early");
+  fs::copy_file(scratch_ / "whole/recipe.yaml", scratch_ / "early/recipe.yaml");
+  ASSERT_EQ(statusOf(startTraining("--resume --out " + std::string(scratch_ / "early"))), 0);
+  expectSameNetwork(scratch_ / "whole/network.safetensors", scratch_ / "early/network.safetensors");
+}
+
+TEST_P(TrainCommand, LeavesNoFolderOfARunThatCannotBegin) {
+  const std::string from_nowhere = " --set begin_with=" + std::string(scratch_ / "no.safetensors");
+  const int status = statusOf(startTraining(begin("run") + from_nowhere));
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_FALSE(fs::exists(scratch_ / "run"));
+  EXPECT_EQ(statusOf(startTraining(begin("run"))), 0);
+}
+
 std::string algorithmOf(const testing::TestParamInfo<std::string>& training) {
   return training.param;
 }
